@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from types import FrameType
 from typing import Any
 
 from coral.exit_code import ExitCode
+from coral.terminal import tell
 
 ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 SIGNALS = (signal.SIGINT, *ENDING)
@@ -127,7 +127,7 @@ def wait_for_interrupt(told: str = "") -> None:
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
         if told:
-            print(told, file=sys.stderr, flush=True)
+            tell(told)
         threading.Event().wait()
     except KeyboardInterrupt:
         pass

@@ -23,14 +23,12 @@ class AdvisorProbe:
     """Time-outs and retries."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Probe the endpoint."""
         from coral.advisor.probe import probe
 
         report = probe(self.model, self.cfg)
         return {**asdict(report), "usable": report.usable, "lines": report.lines()}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return a line for each finding."""
         return "\n".join(result["lines"])
 
     def exit_code(self, result: Mapping[str, Any]) -> int:

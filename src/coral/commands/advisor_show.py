@@ -32,7 +32,6 @@ class AdvisorShow:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Render the prompt, and write the pictures if requested."""
         if self.kind == "list":
             return {"kinds": kinds()}
         if self.kind not in kinds():
@@ -65,7 +64,6 @@ class AdvisorShow:
         return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return the prompt itself."""
         if "kinds" in result:
             return "\n".join(result["kinds"])
         return "\n".join([result["prompt"], *(f"wrote {path}" for path in result["written"])])

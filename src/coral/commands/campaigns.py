@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +22,7 @@ from coral.campaign.table import Table, document, overview, table_json
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.runs import provenance
+from coral.terminal import tell
 from coral.words import many
 
 
@@ -123,7 +123,7 @@ def run_specs(
                 progress=CampaignProgress(quiet=flags.quiet),
             )
         except KeyboardInterrupt:
-            print(f"stopped; the same command continues from here ({store.folder})", file=sys.stderr)
+            tell(f"stopped; the same command continues from here ({store.folder})")
             raise
         result = collect(store, summary)
     if summary.failed and not result["done"]:

@@ -61,7 +61,6 @@ class ListConfig:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Look up the keys."""
         if self.of not in CONFIGURATIONS:
             known = f"one of {', '.join(CONFIGURATIONS)}{nearest(self.of, CONFIGURATIONS)}"
             raise InputError("coral config", "", repr(self.of), known)
@@ -98,7 +97,6 @@ class ListConfig:
         return values
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return a line for each key, or all about the only one."""
         rows = result["keys"]
         if self.departures:
             return "\n".join(

@@ -73,7 +73,6 @@ class ContactEpisode:
     memory: Mapping[str, Any] | None = None
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
-        """Run the episode."""
         task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
         if spec.variant in self.policies:
             return run_policy_episode(
@@ -164,7 +163,6 @@ class ContactBench(CampaignFlags):
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the tables and list the files."""
         files = ("data", "tables", "memory")
         return describe_campaign(self.out, result, "episode", files, ("Table 1, success", "Against"))
 

@@ -48,7 +48,6 @@ class ContactCalibrate:
     """Print one JSON object on standard output."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Calibrate."""
         from coral.contact.real_scenes.calibration.camera_pose_file import write_camera_pose
 
         if self.draw is not None:
@@ -78,7 +77,6 @@ class ContactCalibrate:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Say where the camera stands, and what the fit left."""
         if "drawn" in result:
             return f"{result['drawn']}: print it so that it is {result['width_m']:g} x {result['height_m']:g} m"
         x, y, z = result["position_m"]

@@ -33,14 +33,12 @@ class ContactExport:
     """Rate and pictures."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Write the data set."""
         runs = [path for path in self.runs if not self.successes or RunFolder.read(path).metrics.get("success")]
         if self.runs and not runs:
             raise InputError("--successes", "", f"none among {many(len(self.runs), 'run')}", "at least one success")
         return write_lerobot(runs, self.out, checked(self.cfg, "--cfg"))
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the data set in a line."""
         successes = many(result["successes"], "success", "successes")
         episodes, frames = many(result["episodes"], "episode"), many(result["frames"], "frame")
         return f"{result['dataset']}: {episodes}, {successes}, {frames}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-import sys
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
+from coral.terminal import tell
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,6 @@ class ContactPoses:
     """No line for each picture."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Track until the end."""
         from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
         from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
         from coral.contact.real_scenes.object_tracking import track_objects
@@ -92,7 +91,7 @@ class ContactPoses:
                         bodies = {name: matrix_to_body(one.T_world_object) for name, one in shown.items()}
                         sender.sendto(poses_datagram(bodies), to)
                     if not self.quiet and not self.json:
-                        print(_line(frame.time_s, found), file=sys.stderr, flush=True)
+                        tell(_line(frame.time_s, found))
             except KeyboardInterrupt:
                 if last is None:
                     raise
@@ -113,7 +112,6 @@ class ContactPoses:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return a line for each object."""
         lines = []
         for name, one in result["objects"].items():
             if one["position_m"] is None:

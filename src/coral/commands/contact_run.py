@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -47,6 +46,7 @@ from coral.errors import InputError, RunError
 from coral.flags import Argument, Option
 from coral.plugins import our_part
 from coral.runs import new_run_folder
+from coral.terminal import tell
 from coral.words import many
 
 TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
@@ -114,7 +114,6 @@ class ContactRun:
         return None if cfg is None else cls(task="", cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
-        """Run the episode."""
         advisor = contact_advisor(self.advisor, self.model, self.inbox)
         check_combination(
             variant=self.variant,
@@ -211,7 +210,6 @@ class ContactRun:
         return {**result, "run": str(folder), **render(folder, cfg.record)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the outcome in a few lines, and list the files."""
         reason = str(result["end_reason"])
         meaning = END_REASONS.get(reason.partition(":")[0], "")
         unmet = str(result.get("end_detail", "")) if reason == "timeout" else ""
@@ -239,7 +237,7 @@ def _operator(cfg: EpisodeCfg) -> KeyboardVerdict | None:
     """Return the operator where one judges, and tell how."""
     if cfg.judged_by != "operator":
         return None
-    print(HINT, file=sys.stderr, flush=True)
+    tell(HINT)
     return KeyboardVerdict()
 
 
@@ -272,17 +270,14 @@ class StandInNotice:
         self._said = self._told = False
 
     def __call__(self, event: Mapping[str, Any]) -> None:
-        """Handle an event of the episode."""
         if event["event"] == "plan_answer" and event.get("failure") and event.get("refused") and not self._told:
             self._told = True
             why = "; ".join(dict.fromkeys(event["refused"]))
-            print(f"at {event['t']:.1f} s the advisor gave no usable plan: {why}", file=sys.stderr, flush=True)
+            tell(f"at {event['t']:.1f} s the advisor gave no usable plan: {why}")
         if event["event"] == "fallback" and not self._said:
             self._said = True
             then = "the episode ends" if event["by"] == "nobody" else f"continuing with {event['by']}"
-            print(
+            tell(
                 f"at {event['t']:.1f} s the advisor did not decide on the {event['what']} ({event['because']}): "
-                f"{then} (--fallback {event['policy']})",
-                file=sys.stderr,
-                flush=True,
+                f"{then} (--fallback {event['policy']})"
             )

@@ -28,7 +28,6 @@ class ContactTasks:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Load and check the tasks."""
         tasks = {name: load_task(name) for name in self.tasks or shipped_tasks()}
         for name, task in tasks.items():
             for seed in range(DRAWN):
@@ -36,7 +35,6 @@ class ContactTasks:
         return {"tasks": [described(task) for task in tasks.values()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return a list, or each task as its file would say it."""
         if not self.tasks:
             width = max((len(task["name"]) for task in result["tasks"]), default=0)
             return "\n".join(f"{task['name']:<{width}}  {task['instruction']}" for task in result["tasks"])

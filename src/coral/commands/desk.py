@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Annotated, Any
 from coral.flags import Argument
 from coral.foreign_file import read_text
 from coral.interrupts import wait_for_interrupt
+from coral.terminal import tell
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
 TOKEN_BYTES = 1000
@@ -34,7 +34,6 @@ class Desk:
     """Print one JSON object at the end; the address goes to standard error."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Serve until interrupted."""
         from coral.desk.inbox import Inbox
         from coral.desk.server import DeskServer
 
@@ -42,12 +41,11 @@ class Desk:
         if self.token_file is not None:
             token = read_text(self.token_file, "the token, alone", TOKEN_BYTES, "--token-file").strip()
         server = DeskServer(Inbox(self.inbox), self.host, self.port, token)
-        print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
+        tell(f"the desk is open at {server.url}")
         with server:
             wait_for_interrupt(f"it shows the questions in {self.inbox}; Ctrl-C closes it")
         return {"inbox": str(self.inbox), "host": self.host, "port": server.access.port, "answered": server.answered}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Report the number of accepted answers."""
         n = result["answered"]
         return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"

@@ -58,7 +58,6 @@ class Doctor:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Run all checks."""
         packages: dict[str, str | None] = {}
         for name in CORE:
             try:
@@ -88,7 +87,6 @@ class Doctor:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return one line for each check."""
         lines = [f"{'ok     ' if good else 'MISSING'}  {name}" for name, good in result["checks"].items()]
         lines += [f"MISSING  package {name}" for name, found in result["packages"].items() if not found]
         lines += [

@@ -35,7 +35,6 @@ class Export:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Write it."""
         if (self.run / TaskFiles.TASK).is_file():
             instead = "a survey; `coral contact export` writes contact runs as LeRobot sets"
             raise InputError(str(self.run), "", "a contact run", instead)
@@ -48,7 +47,6 @@ class Export:
         return {"export": str(out), "messages": counts, "bytes": size}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe what was written in a line."""
         total, topics = sum(result["messages"].values()), len(result["messages"])
         return (
             f"{result['export']}: {many(total, 'message')} on {many(topics, 'topic')}, {result['bytes'] / 1e6:.1f} MB"

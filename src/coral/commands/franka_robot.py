@@ -20,6 +20,7 @@ from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
 from coral.ros_node import ros_type
+from coral.terminal import tell
 
 if TYPE_CHECKING:
     from coral.contact.franka.camera_process import CameraProcess
@@ -70,10 +71,10 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bo
     double: Double | None = None
     stream: StreamProcess | None = None
     camera: CameraProcess | None = None
-    show = _tell if flags.dry_run and not quiet else None
+    show = tell if flags.dry_run and not quiet else None
     try:
         if flags.robot == SIMULATED:
-            _tell("starting the simulated arm ...")
+            tell("starting the simulated arm ...")
             double = Double(trial, arm)
         stream = StreamProcess(make_arm, double.address if double else flags.robot, arm, trial)
         if flags.camera is not None:
@@ -133,7 +134,7 @@ def go_through(
             break
         sleep(0.05)
         waited += 0.05
-    _tell(preflight_text(checks))
+    tell(preflight_text(checks))
     if wrong:
         raise RunError(f"the arm does not move: {wrong[0].name}: {wrong[0].found}")
 
@@ -153,7 +154,3 @@ def ask_for_word(read: Callable[[], str] = sys.stdin.readline) -> None:
     )
     if read().strip().lower() != WORD:
         raise RunError(f"the arm does not move: the operator did not say {WORD!r}")
-
-
-def _tell(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)

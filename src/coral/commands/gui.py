@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from coral.interrupts import wait_for_interrupt
 from coral.reef.world.world_names import shipped_worlds, world_file
 from coral.run_files import RunFiles
 from coral.runs import new_run_folder
+from coral.terminal import tell
 
 SETTINGS: Mapping[str, Mapping[str, tuple[str, str, tuple[str, ...]]]] = {
     "reef": {
@@ -49,18 +49,16 @@ class Gui:
     """Print one JSON object at the end; the address goes to standard error."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Serve until interrupted."""
         from coral.desk.front.server import FrontServer
 
         root = self.runs.resolve()
         server = FrontServer(root, choices(), lambda wanted: command(wanted, root), port=self.port)
-        print(f"the front page is open at {server.url}", file=sys.stderr, flush=True)
+        tell(f"the front page is open at {server.url}")
         with server:
             wait_for_interrupt("Ctrl-C closes it, and stops the runs that it has started")
         return {"runs": str(root), "started": [str(job.folder) for job in server.jobs]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Say what was started."""
         return "\n".join(["the front page is closed", *(f"run folder: {folder}" for folder in result["started"])])
 
 

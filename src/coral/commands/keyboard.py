@@ -11,6 +11,7 @@ from typing import IO
 
 from coral.errors import InputError
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
+from coral.terminal import tell
 
 KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "q": "stop", "s": "surface"}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
@@ -51,7 +52,7 @@ class Keyboard:
                 if line in ("q", "quit", "stop", "exit", "no"):
                     return False
                 if line:
-                    print("type arm to begin, q to give up", file=sys.stderr, flush=True)
+                    tell("type arm to begin, q to give up")
             if self._ended:
                 return False
         return True

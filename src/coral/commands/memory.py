@@ -65,11 +65,9 @@ class MemoryList(MemoryFlags):
     """List the remembered experiences: origin, uses, and how many of these succeeded."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Read the rows."""
         return {"file": self.file, "experiences": [_row(stored) for stored in _open_existing(self.file).all()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return one line for each experience."""
         rows = [
             f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} "
             f"by {row.get('advisor')!s:<22} {_rate_text(row):<16}  {', '.join(row['stages'])}"
@@ -86,7 +84,6 @@ class MemoryShow(MemoryFlags):
     """Number of the experience, from `coral memory list`."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Read the experience."""
         stored = _open_existing(self.file).get(self.id)
         return {
             **_row(stored),
@@ -95,7 +92,6 @@ class MemoryShow(MemoryFlags):
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return its record, then its programs."""
         head = [f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs")]
         return "\n".join([*head, "", result["programs"]])
 
@@ -108,12 +104,10 @@ class MemoryForget(MemoryFlags):
     """Number of the experience, from `coral memory list`."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Delete the experience."""
         _open_existing(self.file).forget(self.id)
         return {"file": self.file, "forgotten": self.id}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Report the deletion."""
         return f"{result['file']}: {result['forgotten']} is forgotten"
 
 
@@ -125,14 +119,12 @@ class MemoryExport(MemoryFlags):
     """The JSON file; it must not exist yet."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Write the file."""
         content = _open_existing(self.file).export()
         with writing(self.to, expected="a new file that can be written"):
             write_whole(self.to, json_text.dumps(content, indent=1, allow_nan=False) + "\n", replace=False)
         return {"file": str(self.to), "experiences": len(content["experiences"])}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Report what was written."""
         return f"{result['file']}: {many(result['experiences'], 'experience')}"
 
 
@@ -144,12 +136,10 @@ class MemoryImport(MemoryFlags):
     """The JSON file."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Read the file."""
         content = read_json(self.source, "a JSON file that coral memory export has written")
         if not isinstance(content, dict):
             raise InputError(str(self.source), "", type(content).__name__, "an object")
         return {"file": self.file, "added": Memory(self.file).load(content, str(self.source))}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Report what was added."""
         return f"{result['file']}: {result['added']} added"

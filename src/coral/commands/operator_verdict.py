@@ -7,6 +7,8 @@ import select
 import sys
 from typing import Literal, TextIO
 
+from coral.terminal import tell
+
 VERDICTS: dict[str, Literal["success", "failure"]] = {"s": "success", "f": "failure"}
 HINT = "Judge the episode: s and Enter for success, f and Enter for failure."
 
@@ -31,5 +33,5 @@ class KeyboardVerdict:
             word = line.decode(errors="replace").strip().lower()
             if word in VERDICTS:
                 return VERDICTS[word]
-            print(HINT, file=sys.stderr, flush=True)
+            tell(HINT)
         return ""

@@ -57,7 +57,6 @@ class ReefEpisode:
     """Where the desk asks."""
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
-        """Run the mission."""
         cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world], self.keep)
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
         sees = not rules_alone(advisor)
@@ -147,7 +146,6 @@ class ReefBench(CampaignFlags):
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the tables and where everything is."""
         several = len(parse_names(self.variants, "--variants")) > 1
         shown = SHOWN if several else SHOWN_OF_ONE
         return describe_campaign(self.out, result, "mission", ("data", "tables"), shown)

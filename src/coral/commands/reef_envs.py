@@ -29,7 +29,6 @@ class ReefEnvs:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Describe and draw the reefs."""
         names = self.worlds or tuple(shipped_worlds())
         if self.preview is None and set(names) <= set(shipped_worlds()):
             rows = recall("reefs", f"{names} {code_stamp()}", lambda: [_row(world) for world in _found(names)])
@@ -55,7 +54,6 @@ class ReefEnvs:
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return a table."""
         lines = ["name   topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
         for w in result["worlds"]:
             size = f"{w['size_m'][0]:g} x {w['size_m'][1]:g}"

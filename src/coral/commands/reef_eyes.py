@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -14,6 +13,7 @@ import numpy as np
 from coral.config import Count, Positive
 from coral.errors import InputError
 from coral.flags import Argument
+from coral.terminal import tell
 
 if TYPE_CHECKING:
     from coral.reef.vehicle.camera import CameraCfg
@@ -63,7 +63,6 @@ class ReefEyes:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Train or score."""
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number of 0 or more")
         return self._train() if self.action == "train" else self._score()
@@ -89,7 +88,7 @@ class ReefEyes:
         kept = [one for one in marked if one.video not in self.without]
         data = teach(
             self.seed, reefs=self.reefs, pictures=self.pictures, real=gather_real(kept), processes=self.threads,
-            tell=_tell,
+            tell=tell,
         )  # fmt: skip
         cfg = TrainingCfg(
             rate=6e-4 if begin else 3e-3,
@@ -99,7 +98,7 @@ class ReefEyes:
             threads=self.threads,
             device=self.device,
         )
-        net = train(data, cfg, self.seed, _tell, begin)
+        net = train(data, cfg, self.seed, tell, begin)
         if begin is None:
             know_training(net, kept, data.reefs, self.seed)
         else:
@@ -172,7 +171,6 @@ class ReefEyes:
                     yield painter.water.name, camera, replace(frame, rgb=painter.paint(frame, pose, t=7.0 * k))
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return the file, or a table in Markdown."""
         if self.action == "train":
             rows = [
                 f"| {row['video']} | {row['iou']:.2f} | {row['precision']:.2f} | {row['recall']:.2f} "
@@ -207,7 +205,3 @@ class ReefEyes:
         return "\n".join(
             [*lines, f"oysters within 3 m, IoU: {within}", f"{result['cpu_ms_per_picture']} ms of CPU a picture"]
         )
-
-
-def _tell(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)

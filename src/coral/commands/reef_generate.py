@@ -33,7 +33,6 @@ class ReefGenerate:
     """Properties of the reef."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Generate, write and draw the reef."""
         cfg = self.cfg
         if self.polyline:
             cfg = replace(cfg, spine=(_points(self.polyline),))
@@ -51,7 +50,6 @@ class ReefGenerate:
         return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return one line."""
         return (
             f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
             f"run it with: coral reef run {result['world']}"

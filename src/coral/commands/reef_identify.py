@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -21,6 +20,7 @@ from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
 from coral.reef.vehicle.response import VehicleResponse
+from coral.terminal import tell
 from coral.yaml_file import to_yaml
 
 POSITION_S = 120.0
@@ -54,7 +54,6 @@ class ReefIdentify:
     """Print one JSON object on standard output; everything else goes to standard error."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Drive, fit, write."""
         from coral.reef.sea.mavlink_link import MavlinkLink
 
         checked(self, "flags")
@@ -84,11 +83,7 @@ class ReefIdentify:
             time.sleep(0.2)
         words = OperatorWords()
         if not self.yes:
-            print(
-                "the vehicle will drive within 5 m of where it is. Type arm and press Enter to let it",
-                file=sys.stderr,
-                flush=True,
-            )
+            tell("the vehicle will drive within 5 m of where it is. Type arm and press Enter to let it")
             if not Keyboard(words).wait_for_arm(lambda: False):
                 raise RunError("not armed: the operator did not say so")
         link.arm()
@@ -103,7 +98,7 @@ class ReefIdentify:
             except RunError as error:
                 found.append(error)
 
-        print("driving; space stops it", file=sys.stderr, flush=True)
+        tell("driving; space stops it")
         thread = threading.Thread(target=work, name="coral-identify", daemon=True)
 
         def over() -> bool:
@@ -123,7 +118,6 @@ class ReefIdentify:
         return found[0]
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Tell the response in words."""
         found = VehicleResponse(**{name: result[name] for name in to_mapping(VehicleResponse())})
         return (
             f"speed: {found.surge_gain:.0%} of what is asked, lag {found.surge_lag_s:.2f} s after "

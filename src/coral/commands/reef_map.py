@@ -73,7 +73,6 @@ class ReefMap:
     """How products are made."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Make them."""
         if self.sonar_start_s is not None and not math.isfinite(self.sonar_start_s):
             raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
         if self.pictures_start_s is not None and not math.isfinite(self.pictures_start_s):
@@ -124,7 +123,6 @@ class ReefMap:
         return open_eyes(self.perception, depth=str(self.depth or ""))
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe what was found, and list the main files."""
         lines = [describe_products(result), *result["eyes"]]
         lines += [result["lens"]] if result["lens"] else []
         if result["pictures_left_out"]:

@@ -41,7 +41,6 @@ class ReefPicture:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Take the pictures and write them."""
         from coral.config import checked
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
@@ -92,7 +91,6 @@ class ReefPicture:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return where the picture is and what it shows."""
         x, y, heading = result["at"]
         seen = ", ".join(f"{name} (visibility {v:g} m)" for name, v in result["waters"].items())
         return f"{result['picture']}: from ({x:g}, {y:g}) m, heading {heading:g}°, in {seen}"

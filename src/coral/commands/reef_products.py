@@ -40,7 +40,6 @@ class ReefProducts:
     """How they are made."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Make them."""
         world = self.run / SurveyFiles.WORLD
         out = self.out or self.run / "products"
         if self.out is None and out.is_symlink():  # whoever made the run chose where it leads
@@ -49,7 +48,6 @@ class ReefProducts:
         return make_products(read_run(self.run), self.cfg, self.datum, out, true)
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe what was found, and list the main files."""
         return describe_products(result)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,6 +33,7 @@ from coral.reef.world.generated import find_world
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import RunFiles
 from coral.runs import new_run_folder
+from coral.terminal import tell
 from coral.words import many
 
 
@@ -97,7 +97,6 @@ class ReefRun:
         return cls(world="", cfg=cfg or MissionCfg(), given=given) if given or cfg is not None else None
 
     def __call__(self) -> Mapping[str, Any]:
-        """Run the mission."""
         self.page.check()
         world = find_world(self.world)
         if self.seed < 0:
@@ -140,13 +139,14 @@ class ReefRun:
             begins=self._tell_compiling,
         )
         if mission.eyes is not None and not self.quiet:
-            print(*mission.eyes.about, sep="\n", end="\n" if mission.eyes.about else "", file=sys.stderr, flush=True)
+            for line in mission.eyes.about:
+                tell(line)
         progress = MissionProgress(quiet=self.quiet)
         mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         about["instruction"] = mission.cfg.planner.instruction.text
         if asks_people and not self.quiet:
-            print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
+            tell(f"to answer its questions in a browser: coral desk {inbox}")
         with watching(self.page, "reef", mission) as viewers:
             try:
                 with mission_notice(asks_people, inbox, mission.instructing, **about) as notice:
@@ -166,10 +166,9 @@ class ReefRun:
 
     def _tell_compiling(self) -> None:
         if not self.quiet and not is_compiled():
-            print(NOTICE, file=sys.stderr, flush=True)
+            tell(NOTICE)
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the outcome in a few lines, and list the files."""
         lines = [
             f"{self.world}: {covered(result)}{many(result['collisions'], 'collision')}, "
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
@@ -231,7 +230,6 @@ class FallbackNotice:
         self._policy, self._said, self._refused = policy, False, ""
 
     def __call__(self, event: Mapping[str, Any]) -> None:
-        """Handle an event of the mission."""
         if event["event"] == "verdict" and event["verdict"] in ("rejected", "malformed"):
             self._refused = f", the last answer because: {event['reason'] or event['code']}"
         if event["event"] == "fallback" and not self._said:
@@ -239,9 +237,7 @@ class FallbackNotice:
             then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
             refused = event["failure"] == "requeries-used-up"
             why = f"every answer was refused{self._refused}" if refused else str(event["failure"])
-            print(
+            tell(
                 f"at {event['t']:.0f} s the advisor did not decide ({why}): {then[self._policy]} "
-                f"(--fallback {self._policy})",
-                file=sys.stderr,
-                flush=True,
+                f"(--fallback {self._policy})"
             )

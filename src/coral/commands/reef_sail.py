@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -48,6 +47,7 @@ from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import SurveyFiles
 from coral.runs import new_run_folder
+from coral.terminal import tell
 from coral.words import many
 
 ARM_S = 20.0
@@ -269,7 +269,7 @@ class ReefSail:
 
     def _say(self, text: str) -> None:
         if not self.quiet:
-            print(text, file=sys.stderr, flush=True)
+            tell(text)
 
     def _print(self, lines: Sequence[CheckLine]) -> None:
         for line in lines:
@@ -328,7 +328,6 @@ class ReefSail:
         yield WatchedSurvey(viewer, None, reef_sketch, real_time=True)
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the outcome in a few lines, and list the files."""
         if self.check:
             return "ready to arm" if result["ready"] else "not ready to arm"
         share = (

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Protocol
 
 from coral.errors import InputError
 from coral.plugins import our_part
+from coral.terminal import tell
 
 
 class Rendered(Protocol):
     """What the configuration of a record says of it."""
 
     @property
-    def report(self) -> bool: ...  # noqa: D102
+    def report(self) -> bool: ...
     @property
-    def video(self) -> bool: ...  # noqa: D102
+    def video(self) -> bool: ...
 
 
 def render(folder: Path, record: Rendered) -> dict[str, str]:
@@ -26,7 +26,7 @@ def render(folder: Path, record: Rendered) -> dict[str, str]:
     try:
         write = our_part("rendering", "run", "report")
     except InputError as error:
-        print(error, file=sys.stderr, flush=True)
+        tell(error)
         return {}
     made: dict[str, str] = write(folder, report=record.report, video=record.video)
     return made

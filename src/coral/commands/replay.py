@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Annotated, Any
 from coral.config import Positive, checked
 from coral.flags import Argument
 from coral.interrupts import wait_for_interrupt
+from coral.terminal import tell
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,6 @@ class Replay:
     """Print one JSON object at the end; the address goes to standard error."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Serve until interrupted."""
         from coral.view.live.viewer import Viewer
         from coral.view.run import RunFolder
 
@@ -36,12 +35,11 @@ class Replay:
         viewer = Viewer(self.run, rate=self.speed, port=self.port)
         viewer.stream.subject  # noqa: B018  # tells what is wrong before the page opens
         with viewer as page:
-            print(f"watch the run at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
+            tell(f"watch the run at {page.url}; Ctrl-C closes it")
             for note in found.notes:
-                print(f"note: {note}", file=sys.stderr, flush=True)
+                tell(f"note: {note}")
             wait_for_interrupt()
             return {"run": str(self.run), "url": page.url, "duration_s": found.duration_s, "complete": found.complete}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe what was shown."""
         return f"the page is closed; {result['duration_s']:.0f} s of {result['run']} could be watched"

@@ -24,11 +24,9 @@ class Report:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Write the files."""
         made = render_run(self.run, report=True, video=self.video)
         pictures = {"map": self.run / SurveyFiles.MAP, "keyframes": self.run / TaskFiles.KEYFRAMES}
         return {**made, **{name: str(path) for name, path in pictures.items() if path.is_file()}}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """List the files."""
         return "\n".join(f"{name}: {path}" for name, path in result.items())

@@ -74,21 +74,21 @@ class SailFlags(Protocol):
     """The flags of the command that say what is opened."""
 
     @property
-    def area(self) -> str: ...  # noqa: D102
+    def area(self) -> str: ...
     @property
-    def vehicle(self) -> str: ...  # noqa: D102
+    def vehicle(self) -> str: ...
     @property
-    def camera(self) -> str: ...  # noqa: D102
+    def camera(self) -> str: ...
     @property
-    def sonar(self) -> str: ...  # noqa: D102
+    def sonar(self) -> str: ...
     @property
-    def truth(self) -> str: ...  # noqa: D102
+    def truth(self) -> str: ...
     @property
-    def seed(self) -> int: ...  # noqa: D102
+    def seed(self) -> int: ...
     @property
-    def camera_latency(self) -> float: ...  # noqa: D102
+    def camera_latency(self) -> float: ...
     @property
-    def lens(self) -> Path | None: ...  # noqa: D102
+    def lens(self) -> Path | None: ...
 
 
 @dataclass

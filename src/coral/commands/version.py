@@ -17,9 +17,7 @@ class Version:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Return the installed version."""
         return {"version": __version__}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return one line."""
         return f"coral {result['version']}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -24,6 +23,7 @@ from coral.interrupts import wait_for_interrupt
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
+from coral.terminal import tell
 from coral.view.live.controls import Controls
 from coral.view.live.stream import RunStream, Subject
 from coral.view.run import RunFolder, read_camera_frame, read_frame
@@ -102,7 +102,7 @@ class Viewer(WebServer):
         Raises:
             KeyboardInterrupt: Ctrl-C.
         """
-        print(f"the {what} begins when you open {self.url} (--no-wait: at once)", file=sys.stderr, flush=True)
+        tell(f"the {what} begins when you open {self.url} (--no-wait: at once)")
         self._visited.wait()
 
     def stay(self) -> None:

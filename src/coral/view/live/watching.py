@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from coral.contact.worlds.robot_world import in_real_time
+from coral.terminal import tell
 from coral.view.live.controls import RunControls
 from coral.view.live.pace import Pace
 from coral.view.live.viewer import PERIOD_S, Sketch, Stroke, Viewer
@@ -82,7 +82,7 @@ def watching_run(
         if wait:
             viewer.wait_for_viewer(what)
         else:
-            print(f"watch the {what} at {viewer.url}", file=sys.stderr, flush=True)
+            tell(f"watch the {what} at {viewer.url}")
         yield [WatchedRun(viewer, pace, sketch, real_time=real_time)]
         if wait:
             viewer.stay()
