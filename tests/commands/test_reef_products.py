@@ -32,6 +32,17 @@ def test_products_of_a_run_are_written_beside_it_and_compared_with_the_truth(sur
     assert "true_area_m2" not in kept  # the truth never enters the products
 
 
+def test_a_survey_in_real_water_has_no_truth_and_lies_where_its_survey_file_says(survey_run, tmp_path, told):
+    run = tmp_path / "run"
+    shutil.copytree(survey_run, run, ignore=shutil.ignore_patterns("products"))
+    start = "start: {x: 2, y: 2, theta: 0.5}\ndatum: [36.95, -122.02]\n"
+    (run / "world.yaml").write_text(f"name: pier\nsize_m: [9, 8]\n{start}geofence: [[0, 0], [9, 0], [9, 8]]\n")
+    for command in (("products", run), ("map", run)):
+        code, result, _ = told("reef", *command, "--out", tmp_path / command[0], "--json")
+        assert (code, result["epsg"]) == (0, 32610)
+        assert "area_error" not in result
+
+
 def test_it_is_told_in_a_few_lines(survey_run, tmp_path, told):
     code, out, _ = told("reef", "products", survey_run, "--out", tmp_path / "a")
     assert code == 0

@@ -23,10 +23,8 @@ from coral.reef.recordings.lens_check import check_lens
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import RECORDED
-from coral.reef.recordings.run_recording import is_run
+from coral.reef.recordings.run_recording import is_run, true_reef
 from coral.reef.recordings.sonar_file import add_sonar_file
-from coral.reef.world.world import load_world
-from coral.run_files import SurveyFiles
 from coral.words import many
 
 
@@ -97,10 +95,8 @@ class ReefMap:
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         if recording.datum is not None and self.datum is not None and (self.recording / TABLE).is_file():
             raise InputError("--datum", "", self.datum, f"none: {self.recording / TABLE} has lat and lon")
-        own = None if recording.datum is None else f"{recording.datum[0]!r},{recording.datum[1]!r}"
-        world = self.recording / SurveyFiles.WORLD
-        truth = load_world(world) if is_run(self.recording) and world.is_file() else None
-        made = make_products(recording, self.cfg, self.datum or own, self.out, truth)
+        truth = true_reef(self.recording) if is_run(self.recording) else None
+        made = make_products(recording, self.cfg, self.datum, self.out, truth)
         lens = check_lens(recording)
         about = [*recording.remarks, *(() if eyes is None else eyes.about)]
         return {**made, "pictures_left_out": len(recording.omitted), "eyes": about, "lens": lens}

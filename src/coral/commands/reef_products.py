@@ -16,9 +16,8 @@ from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
-from coral.reef.recordings.run_recording import read_run
-from coral.reef.world.world import ReefWorld, load_world
-from coral.run_files import SurveyFiles
+from coral.reef.recordings.run_recording import read_run, true_reef
+from coral.reef.world.world import ReefWorld
 from coral.view.products_page import TruthComparison, write_products_page
 from coral.words import many
 
@@ -40,12 +39,10 @@ class ReefProducts:
     """How they are made."""
 
     def __call__(self) -> Mapping[str, Any]:
-        world = self.run / SurveyFiles.WORLD
         out = self.out or self.run / "products"
         if self.out is None and out.is_symlink():  # whoever made the run chose where it leads
             raise InputError(str(out), "", "a link to another folder", "no such file, or --out FOLDER")
-        true = load_world(world) if world.is_file() else None
-        return make_products(read_run(self.run), self.cfg, self.datum, out, true)
+        return make_products(read_run(self.run), self.cfg, self.datum, out, true_reef(self.run))
 
     def describe(self, result: Mapping[str, Any]) -> str:
         return describe_products(result)
@@ -56,11 +53,14 @@ def make_products(
 ) -> dict[str, Any]:
     """Measure a recording, write all files into a new or empty folder, and return the main numbers.
 
-    `datum` is LAT,LON[,HEADING]. Only the comparison on the page sees the true reef; None where nobody knows.
+    `datum` is LAT,LON[,HEADING], by default the recording's own. Only the comparison on the page sees the true reef;
+    None where nobody knows it.
 
     Raises:
         InputError: Something of it cannot be used.
     """
+    if datum is None and recording.datum is not None:
+        datum = f"{recording.datum[0]!r},{recording.datum[1]!r}"
     where = None if datum is None else parse_datum(datum)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError(str(out), "--out", "a folder that is not empty", "a new or empty folder")

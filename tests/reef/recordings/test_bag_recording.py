@@ -242,6 +242,23 @@ def test_a_camera_that_hangs_upside_down_is_refused(bags, tmp_path):
         read_bag(path, BagTopics())
 
 
+def test_heights_that_count_from_the_surface_need_the_camera_s_usual_height(bags, tmp_path):
+    def deep(topic, t, message):
+        if topic == "/odometry":
+            message.pose.pose.position.z -= 12.0
+        return message
+
+    path = copy_bag(bags / "patch_bag", tmp_path / "deep", deep)
+    there = read_bag(bags / "patch_bag", BagTopics())
+    with pytest.raises(InputError, match=r"counted from the surface, expected .* altitude_m in --camera FILE\.yaml"):
+        read_bag(path, BagTopics())
+    back = read_bag(path, BagTopics(), RecordedCamera.plain(there.camera))
+    assert "counted from the surface" in back.remarks[0]
+    heights = [[one.height_m for one in which.keyframes()] for which in (there, back)]
+    assert heights[1] == pytest.approx(heights[0])
+    np.testing.assert_array_equal(map_of(back.located()).cells(), map_of(there.located()).cells())
+
+
 def stamped_otherwise(stamp):
     def change(topic, t, message):
         if topic.startswith("/camera") and topic.endswith("compressed"):

@@ -1,16 +1,22 @@
 """A vehicle in a process of its own: our dynamics and painted pictures behind topics, and nothing of the truth.
 
-Usage: python vehicle_node.py WORLD NAMESPACE [--stamps-off S]
+Usage: python vehicle_node.py WORLD NAMESPACE [--stamps-off S]. SIGTERM: it tells what it has truly seen and touched.
 """
 
 import argparse
 import array
+import contextlib
+import json
 import math
+import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointField
 
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
@@ -22,6 +28,9 @@ from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.scene import Scene
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from autopilot.camera import Judge
 
 
 def main():
@@ -49,6 +58,7 @@ def main():
     sonar = Sonar3d15(scene.resting, SonarCfg(), np.random.default_rng(0))
     mount = sonar_attitude(0.0, 0.0, 0.0, sonar.cfg.pitch_down_deg)
     fields = [PointField(name=name, offset=4 * k, datatype=7, count=1) for k, name in enumerate("xyz")]
+    judge = Judge(world, cfg, Path(tempfile.mkdtemp()))
     link.arm()
 
     def hear(twist):
@@ -70,6 +80,7 @@ def main():
         battery.publish(BatteryState(voltage=report.battery_v, percentage=report.battery_fraction))
 
     def photograph():
+        judge.follow(link.true_pose())
         rgb = camera.read().frame.rgb
         height, width = rgb.shape[:2]
         message = Image(
@@ -95,7 +106,9 @@ def main():
     node.create_timer(0.05, navigate)
     node.create_timer(0.1, photograph)
     print("ready", flush=True)
-    rclpy.spin(node)
+    with contextlib.suppress(ExternalShutdownException):
+        rclpy.spin(node)
+    print(json.dumps(judge.verdict()), flush=True)
 
 
 if __name__ == "__main__":

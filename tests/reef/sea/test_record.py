@@ -9,7 +9,7 @@ from coral.reef.mission.record import COLUMNS, PicturePose, RecordCfg
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
 from coral.reef.sea.sail_cfg import SailCfg
-from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sea.survey_file import Origin, SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Frame, Pose
@@ -93,7 +93,12 @@ def test_keyframes_are_kept_twice_a_second_with_colour_and_pose(tmp_path):
 
 def headed(folder, world):
     area = SurveyArea(
-        "pier", (9.0, 8.0), Pose(1, 2, 0), ((0, 0), (9, 0), (9, 8)), (("wall", ((1, 1), (2, 1), (2, 2))),)
+        "pier",
+        (9.0, 8.0),
+        Pose(1, 2, 0),
+        ((0, 0), (9, 0), (9, 8)),
+        (("wall", ((1, 1), (2, 1), (2, 2))),),
+        Origin(latitude=54.0, longitude=10.0),
     )
     record = made(folder, world)
     response = VehicleResponse.of_vehicle(SailCfg().mission.simulator.vehicle)
@@ -109,6 +114,8 @@ def test_the_head_has_the_whole_configuration_and_the_areas_outlines(tmp_path):
     assert config["safety"]["on_leak"] == "surface"
     assert config["mission"]["pilot"]
     assert world["size_m"] == [9.0, 8.0]
+    assert world["start"] == {"x": 1, "y": 2, "theta": 0}
+    assert world["datum"] == pytest.approx([54.0 + 1.8e-5, 10.0 + 1.53e-5], abs=1e-7)
     assert world["keep_out"] == [{"name": "wall", "metres": [[1, 1], [2, 1], [2, 2]]}]
 
 

@@ -59,6 +59,14 @@ def test_an_area_may_lie_on_the_date_line():
     assert Origin(latitude=-17.0, longitude=-179.9999).to_local(-17.0, 179.9999)[0] == pytest.approx(-east)
 
 
+@pytest.mark.parametrize("longitude", [10.0, 179.9999])
+def test_metres_become_degrees_and_metres_again(longitude):
+    origin = Origin(latitude=54.0, longitude=longitude)
+    latitude, east_of = origin.to_degrees(20.0, -30.0)
+    assert -180.0 <= east_of < 180.0
+    assert origin.to_local(latitude, east_of) == pytest.approx((20.0, -30.0))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "field"),
     [

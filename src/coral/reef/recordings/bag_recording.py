@@ -109,6 +109,9 @@ def read_bag(
     def mount_at(t: float) -> NDArray[np.float64] | None:
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
+    remarks = list[str]()
+    if (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
+        remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
     cfg = cfg or MapCfg()
     if contents.cell_m is not None:
         cfg = replace(cfg, cell_m=contents.cell_m)
@@ -140,7 +143,7 @@ def read_bag(
             height_m = float(body[2, 3])
             place = f"{where} at {t:.3f} s"
             if not height_m > 0.0:
-                raise InputError(place, "height", f"{height_m:g} m", "a height above the sea floor, z = 0 in the map")
+                raise InputError(place, "height", f"{height_m:g} m", "a height above the sea floor, where z is 0")
             heard = [project_points(cloud, found.view) for when, cloud in clouds if abs(when - t) <= NEAR_S]
             attitude = CameraAttitude(height_m, roll, pitch, heard[0] if heard else None)
             named = {kinds[topic]: partial(_image, message, place, kinds[topic]) for topic, message in images.items()}
@@ -161,8 +164,28 @@ def read_bag(
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
-        sonar=None if hearing is None else hearing.sonar,
+        sonar=None if hearing is None else hearing.sonar, remarks=tuple(remarks),
     )  # fmt: skip
+
+
+def _lift(
+    track: BodyTrack, usual_m: float, mount: NDArray[np.float64] | None, camera: RecordedCamera | None, where: str
+) -> str:
+    """Count the heights of a track from the sea floor, not from the surface; return a remark on it.
+
+    `usual_m` is the body's usual z, below the surface (m). Only the camera's file can tell the usual height.
+
+    Raises:
+        InputError: It does not.
+    """
+    if camera is None or not camera.altitude_given:
+        raise InputError(
+            where, "odometry", f"z of {usual_m:.2f} m, counted from the surface",
+            "z from the sea floor, or altitude_m in --camera FILE.yaml: the camera's usual height above it",
+        )  # fmt: skip
+    offset_m = 0.0 if mount is None else float(mount[2, 3])
+    track.lift[2, 3] = camera.view.altitude_m - usual_m - offset_m
+    return f"heights: z is {usual_m:.2f} m, counted from the surface; {camera.view.altitude_m:g} m is the usual height"
 
 
 def _image(message: Any, where: str, name: str) -> NDArray[Any]:

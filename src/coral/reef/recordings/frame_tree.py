@@ -104,12 +104,15 @@ class BodyTrack:
     parent: str = ""
     child: str = ""
     """Frames of the odometry and of the body."""
+    lift: Transform = field(default_factory=lambda: np.eye(4))
+    """Transform to a map whose z counts from the sea floor; by default the map's own does. Shape=(4, 4)."""
 
     def at(self, t: float) -> tuple[Transform, Pose | None] | None:
         """Return T_body^map, and the pose by odometry alone if it is corrected; None where no pose is near."""
         body = self.odometry.at(t)
         if body is None:
             return None
+        body = self.lift @ body
         if self.parent == MAP or not self.tree.joins(MAP, self.parent):
             return body, None
         correction = self.tree.at(MAP, self.parent, t, latest=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from coral.reef.recordings.recording import RECORDED, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
+from coral.reef.world.world import ReefWorld, load_world
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 
 
@@ -43,7 +45,7 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
     _part(config, "map", "doubt").pop("obstacle_depth", None)  # of earlier versions
     camera = RecordedCamera.plain(camera_of(config, where))
     recording = read_folder((path / SurveyFiles.POSES).parent, camera, perception, period_s)
-    name, size, start = _world(path, config)
+    name, size, start, datum = _world(path, config)
     return dataclasses.replace(
         recording,
         name=name,
@@ -51,8 +53,20 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
         area=None if size is None else (0.0, 0.0, *size),
         map=merge(MapCfg(), _part(config, "map"), where),
         start=start or recording.start,
+        datum=datum,
         seen_by=perception.name if perception else str(_mission(config).get("perception", RECORDED)),
     )
+
+
+def true_reef(run: Path) -> ReefWorld | None:
+    """Return the simulated reef of a run, for comparisons; None where nobody knows the truth, as in real water.
+
+    Raises:
+        InputError: The file of the reef is broken.
+    """
+    path = run / SurveyFiles.WORLD
+    known = path.is_file() and "geofence" not in read_yaml(path)
+    return load_world(path) if known else None
 
 
 def camera_of(config: dict[str, Any], where: str) -> CameraCfg:
@@ -76,14 +90,18 @@ def _part(config: dict[str, Any], *names: str) -> dict[str, Any]:
     return part if isinstance(part, dict) else {}
 
 
-def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float] | None, Pose | None]:
-    """Return name, extent (m) and start of the run's world. Nothing else of it is read: the rest is the truth."""
+def _world(
+    path: Path, config: dict[str, Any]
+) -> tuple[str, tuple[float, float] | None, Pose | None, tuple[float, float] | None]:
+    """Return name, extent (m), start and its latitude and longitude of the run's world; the rest is the truth."""
     if not (path / SurveyFiles.WORLD).is_file():
-        return str(config.get("world", path.name)), None, None
+        return str(config.get("world", path.name)), None, None, None
     world = read_yaml(path / SurveyFiles.WORLD)
     try:
         width, height = (float(edge) for edge in world["size_m"])
         start = Pose(*(float(world["start"][name]) for name in ("x", "y", "theta")))
+        latitude, longitude = (float(angle) for angle in world.get("datum") or (math.nan, math.nan))
     except MALFORMED:
         raise InputError(str(path / SurveyFiles.WORLD), "size_m, start", "values missing", "a reef world") from None
-    return str(world.get("name", path.name)), (width, height), start
+    datum = None if math.isnan(latitude) else (latitude, longitude)
+    return str(world.get("name", path.name)), (width, height), start, datum

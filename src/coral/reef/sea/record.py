@@ -76,7 +76,14 @@ class SeaRecord:
         else:
             outlines = [{"name": name, "metres": [list(p) for p in ring]} for name, ring in area.keep_out]
             fence = [list(p) for p in area.fence]
-            content = {"name": area.name, "size_m": list(area.size_m), "geofence": fence, "keep_out": outlines}
+            content = {
+                "name": area.name,
+                "size_m": list(area.size_m),
+                "start": area.start._asdict(),
+                "datum": None if area.origin is None else list(area.origin.to_degrees(area.start.x, area.start.y)),
+                "geofence": fence,
+                "keep_out": outlines,
+            }
             self.writer.yaml(SurveyFiles.WORLD, content)
         self.writer.yaml(
             RunFiles.CONFIG,

@@ -51,6 +51,11 @@ class Origin(_Part):
         east = math.radians(turned) * EARTH_RADIUS_M * math.cos(math.radians(self.latitude))
         return east, north
 
+    def to_degrees(self, east: float, north: float) -> tuple[float, float]:
+        """Convert local metres to latitude and longitude."""
+        turned = math.degrees(east / (EARTH_RADIUS_M * math.cos(math.radians(self.latitude))))
+        return self.latitude + math.degrees(north / EARTH_RADIUS_M), (self.longitude + turned + 180.0) % 360.0 - 180.0
+
 
 class Polygon(_Part):
     """An outline, in local metres or in degrees."""
@@ -96,8 +101,10 @@ class SurveyArea:
         start: Pose,
         fence: Ring,
         keep_out: tuple[tuple[str, Ring], ...] = (),
+        origin: Origin | None = None,
     ) -> None:
         self.name, self.size_m, self.start, self.fence, self.keep_out = name, size_m, start, fence, keep_out
+        self.origin = origin
 
     @classmethod
     def of_world(cls, world: ReefWorld) -> SurveyArea:
@@ -112,7 +119,7 @@ class SurveyArea:
         Raises:
             InputError: No hull fits there.
         """
-        area = SurveyArea(self.name, self.size_m, Pose(*start), self.fence, self.keep_out)
+        area = SurveyArea(self.name, self.size_m, Pose(*start), self.fence, self.keep_out, self.origin)
         check_start(area, where, "")
         return area
 
@@ -161,7 +168,7 @@ def read_survey(path: Path) -> tuple[SurveyArea, SurveyFile]:
         for k, each in enumerate(found.keep_out)
     )
     start = Pose(found.start.x, found.start.y, found.start.theta)
-    area = SurveyArea(found.name, found.size_m, start, fence, keep_out)
+    area = SurveyArea(found.name, found.size_m, start, fence, keep_out, found.origin)
     check_start(area, where, "start")
     return area, found
 
