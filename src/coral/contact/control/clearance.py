@@ -14,17 +14,16 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.control.clearance_kernels import shorten
 from coral.contact.control.hand_model import FINGER_HALF_M, FINGER_OUT_M, FINGER_UP_M, PALM_HALF_M, PALM_UP_M
 from coral.contact.cost.context import Context, Derived
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate
 from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.trial import Trial, part_scale, part_size
 
-Array = NDArray[np.float64]
 Placement = Callable[[Context], tuple[Array, Array]]
 """Function of a batch of states: positions, Shape=(K, H, 3) m, and orientations, Shape=(K, H, 4), in the world."""
 PROJECTIONS = 60

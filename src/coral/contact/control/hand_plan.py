@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context
-from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.observation import Array, HandTarget
 from coral.mppi.knots import Update
 
-Array = NDArray[np.float64]
 DRAWN = 24
 """Number of rollouts whose paths are kept."""
 

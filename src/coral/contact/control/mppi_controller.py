@@ -17,12 +17,11 @@ from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
-from coral.contact.scene.observation import HandTarget, Observation
+from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.errors import InputError
 from coral.mppi.knots import KnotMppi, KnotMppiCfg
 from coral.mppi.spline import interpolate
 
-Array = NDArray[np.float64]
 EDGE_M = 0.01
 """A target within this distance of a bound stands at the edge."""
 GROUPS = (3, 3, 1)

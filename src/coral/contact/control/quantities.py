@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Quantity
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
-from coral.contact.scene.observation import Observation
+from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial
-
-Array = NDArray[np.float64]
 
 
 def constants(

@@ -19,7 +19,8 @@ import numpy as np
 from mujoco import rollout as mujoco_rollout
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
+
 FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 SLEEP = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))
 """0 in a MuJoCo without sleep: everything stays awake there."""

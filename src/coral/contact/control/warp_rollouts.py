@@ -16,7 +16,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from coral.contact.control.rollouts import Array, Mend, Rolled, Rollouts, RolloutStart, column_major
+from coral.contact.control.rollouts import Mend, Rolled, Rollouts, RolloutStart, column_major
+from coral.contact.scene.observation import Array
 from coral.errors import InputError, install_extra
 
 MISSING = install_extra("warp")

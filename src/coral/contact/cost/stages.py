@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
+from coral.contact.cost.context import Array, Context, Terms
 
-from coral.contact.cost.context import Context, Terms
-
-Array = NDArray[np.float64]
 CostFunction = Callable[[Context], Terms]
 Test = Callable[[Context], bool]
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.experts.terms import axis, norm
 from coral.contact.scene.geometry import from_rotvec, multiply, rotate
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """Palm down, fingers side by side along the world's y: two fingers abreast keep a pushed face aligned."""
 PAD_M = 0.010

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.experts.terms import axis, near, norm, turned
 from coral.contact.scene.geometry import quaternion_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 
-Array = NDArray[np.float64]
 Place = Callable[[Context], Array]
 Way = tuple[str, Test]
 

@@ -7,16 +7,15 @@ friction holds and the box tips; too low, it slides.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.abreast import ABREAST_M, PAD_M, on_box, palm_down
 from coral.contact.experts.terms import axis, dot, near, norm
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 
-Array = NDArray[np.float64]
 HIGH = 0.75
 """Height of the push, -1 at the bottom to 1 at the top: as high as possible with the fingertip below the edge."""
 

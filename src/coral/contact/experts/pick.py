@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.terms import axis, near, norm
 from coral.contact.scene.geometry import conjugate, multiply, rotate, rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.state_conditions import Grasped, Lifted, Still, Upright
 from coral.contact.scene.task import Task
 
-Array = NDArray[np.float64]
 FINGER_OUT_M = 0.05
 """Distance from the tool to the middle of a finger of the open hand."""
 ENOUGH_M = 0.02

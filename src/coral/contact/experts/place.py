@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts import pick
 from coral.contact.experts.terms import axis, level, near, norm
+from coral.contact.scene.observation import Array
 from coral.contact.scene.relative_conditions import Inserted
 from coral.contact.scene.state_conditions import At, Inside, Released, Resting
 from coral.contact.scene.task import Task
 
-Array = NDArray[np.float64]
 CARRY_M = 0.14
 """Height of the object's centre while carried: above everything on the table of pick-clutter. A task with its goal
 behind a rim sets its number `carry_height`."""

@@ -9,15 +9,14 @@ evenly.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.abreast import ABREAST_M, PAD_M, facing, reach_terms
 from coral.contact.experts.terms import axis, dot, level, near, norm
+from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 
-Array = NDArray[np.float64]
 PACE_M_S = 0.035
 """20 cm in 6 s; the spring's damping adds 2 N at this speed."""
 SOFT_N_M = 150.0

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import column_of
-
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
 
 
 def norm(vector: Array) -> Array:

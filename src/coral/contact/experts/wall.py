@@ -8,15 +8,13 @@ friction lifts; the wall reacts at the height of the box, so a flat box is easy 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.abreast import ABREAST_M, DOWN, PAD_M, facing, on_box, reach_terms
 from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
-
-Array = NDArray[np.float64]
 
 
 def wall_face(state: Context) -> Array:

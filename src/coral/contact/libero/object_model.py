@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import box_corners
 from coral.errors import InputError
 from coral.foreign_file import read_text
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from coral.contact.libero.object_model import Array, Box
+from coral.contact.libero.object_model import Box
+from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Shape
 
 MOST = 4

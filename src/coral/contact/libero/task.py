@@ -13,11 +13,12 @@ from typing import Literal
 
 import numpy as np
 
-from coral.contact.libero.object_model import Array, Box, Model, read_model
+from coral.contact.libero.object_model import Box, Model, read_model
 from coral.contact.libero.package import SUITES, Package, find_package
 from coral.contact.libero.problem import Problem, read_problem
 from coral.contact.libero.simplification import simplified, triple
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Fixture, Movable, Shape, TableTop
 from coral.contact.scene.state_conditions import Grasped, Inside, Lifted
 from coral.contact.scene.task import Success, Task

@@ -18,8 +18,7 @@ from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.shading import shade
 from coral.contact.perception.solids import from_mujoco
-
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
 
 
 @dataclass(frozen=True, kw_only=True)

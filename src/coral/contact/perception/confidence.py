@@ -12,8 +12,8 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project, robot_mask
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 # Chosen by measurement on the six tasks' motions (docs/research/tracking.md).
 MIN_PIXELS = 30
 """An object with fewer depth pixels in its mask counts as not seen."""

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from coral.config import Fraction, NonNegative
 from coral.contact.perception.noise_kernels import disturb
-
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 ROBOT_NAME = "robot"
 """Name of the robot in pictures, where the camera labels it: occlusion by the robot is then known."""
 ROBOT, OCCLUDED_RIM = 1, 2

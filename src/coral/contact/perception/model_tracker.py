@@ -14,9 +14,9 @@ from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.registration import misfit, register, start_orientations
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
-Array = NDArray[np.float64]
 # Weights and thresholds, chosen by measurement on the six tasks' motions (docs/research/tracking.md).
 PIXELS = 12000
 """Pixels of the patch that is aligned: all of an object at 320 x 240."""

@@ -14,11 +14,11 @@ from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 _POINTS = 1500
 """Number of surface points: 5 mm apart on the board, so that ADD-S between equal poses stays below 3 mm."""
 _SIDES = 48

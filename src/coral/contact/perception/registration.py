@@ -17,8 +17,8 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, robot_mask
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.scene.geometry import rotation_about, spread_rotations
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 # Chosen by measurement on the six tasks' objects (docs/research/tracking.md); the paper uses a network.
 ORIENTATIONS = 240
 """Orientations spread over all rotations, each class of equal ones tried once. FoundationPose starts from 252."""

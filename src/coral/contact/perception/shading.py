@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
+
 _AMBIENT, _HEADLIGHT, _LAMP = 0.3, 0.4, 0.3
 """Shares of the light; their sum is 1, so that nothing is overexposed."""
 _SKY = np.array([191, 209, 230], np.uint8)

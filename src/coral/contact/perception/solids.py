@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 0, 2, 3, 4, 5, 6, 7
 """Values of `Solids.kind`, with MuJoCo's numbers (mjtGeom)."""
 

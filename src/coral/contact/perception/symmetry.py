@@ -7,14 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import quaternion_of, rotation_about, rotation_angle, spread_rotations
-from coral.contact.scene.observation import BodyState
+from coral.contact.scene.observation import Array, BodyState
 from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

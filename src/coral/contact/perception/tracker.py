@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.scene.observation import Array
 from coral.errors import RunError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.contact.perception.foundationpose import CONNECT_S, URL, FoundationPoseCfg, FoundationPoseTracker, exchange
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseTracker
+from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field, RootModel
 
 from coral.contact.control.hand_model import MAX_OPENING_M
@@ -18,8 +17,8 @@ from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Guide
 from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 Approach = Literal["push", "press", "pinch"]
 ReachBox = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest corner of the box in the world, m, that bounds the tool."""

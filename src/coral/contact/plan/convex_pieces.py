@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import from_rpy_deg, rotation_of
 from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.trial import Trial, part_scale, part_size
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,10 @@ from coral.contact.cost.context import Context, Cost, ReadingCost, Schema
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.state import objects_of
-from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
+from coral.contact.plan.contact_regions import RegionsAnswer, guide
 from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
 from coral.contact.plan.unseen import objects_read, unseen_of, waiting_cost
+from coral.contact.scene.observation import Array
 
 Loader = Callable[[str, Schema, str], Cost]
 """Makes a cost from source, schema and name: in this process, or in the confined one."""

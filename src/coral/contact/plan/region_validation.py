@@ -17,7 +17,6 @@ from coral.contact.plan.contact_regions import (
     REACH,
     SAMPLES,
     TIP_M,
-    Array,
     ReachBox,
     Region,
     RegionsAnswer,
@@ -28,6 +27,7 @@ from coral.contact.plan.convex_pieces import Solid
 from coral.contact.plan.touchable_points import AWAY, MISSED, Candidates, Scenery, candidates_of, off_surface
 from coral.contact.scene.facts import ObjectFacts, SceneFacts, on_table
 from coral.contact.scene.geometry import rotate
+from coral.contact.scene.observation import Array
 
 
 def verify_regions(

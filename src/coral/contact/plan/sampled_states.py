@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.plan.contact_regions import PAD_M, tool_quaternion
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, rotation_of, to_rotvec
-from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.observation import Array, BodyState, Observation
 
-Array = NDArray[np.float64]
 ABOVE_M = 0.06
 RANDOM, HORIZON = 24, 60
 """Number of random rollouts, and control steps of every rollout."""

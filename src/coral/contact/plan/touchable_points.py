@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.plan.contact_regions import (
     BURIED_M,
@@ -26,9 +25,9 @@ from coral.contact.plan.contact_regions import (
 from coral.contact.plan.convex_pieces import Solid, box, pieces
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import Trial
 
-Array = NDArray[np.float64]
 MISSED, TABLE, AWAY = "off the face", "below the table's top", "out of the hand's reach"
 FLUSH_M = 1e-4
 """A candidate this close to the surface is not moved: advisors round to this."""

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, Field, ValidationError
 
 from coral.config import Positive, Signed, read_model
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.foreign_file import read_json
 from coral.validation_errors import input_error
 
-Array = NDArray[np.float64]
 MM = 0.001
 
 

@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import HandCfg, add_hand
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ROBOT_NAME
 from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.real_scenes.object_drawing import draw_depth
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform
 
-Array = NDArray[np.float64]
 MARGIN_M = 0.02
 """Measured depths this near to the drawn hand are the hand's: a camera's calibration and delay err by some of it."""
 SWELL_M = 0.003

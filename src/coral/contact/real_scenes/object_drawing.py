@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.raycast_kernels import FAR_M, NEAR_M, invert, render
 from coral.contact.perception.solids import Solids
-
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
 
 
 def draw_depth(solids: Solids, T_camera_object: Array, frame: RgbdFrame) -> Array:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
@@ -19,10 +18,9 @@ from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.masks.mask_registry import make_masks
 from coral.contact.real_scenes.masks.mask_source import MaskSource
 from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
-
-Array = NDArray[np.float64]
 
 
 class ObjectTracking:

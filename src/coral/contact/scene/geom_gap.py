@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import from_rotvec, rotation_of
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 _AGREE_M = 1e-6
 _TURNS = [rotation_of(from_rotvec(turn * axis)) for turn in (1e-4, -1e-4, 1e-3, -1e-3) for axis in np.eye(3)]
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, rotate
-from coral.contact.scene.observation import BodyState
+from coral.contact.scene.observation import Array, BodyState
 from coral.contact.scene.shapes import Joint
-
-Array = NDArray[np.float64]
 
 
 def joint_axis(joint: Joint, pose: BodyState) -> Array:

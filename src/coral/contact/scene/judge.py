@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.geometry import conjugate, from_rotvec, rotate, rotation_of
-from coral.contact.scene.observation import Truth
+from coral.contact.scene.observation import Array, Truth
 from coral.contact.scene.shapes import Fixture
 from coral.contact.scene.trial import Trial, corners
-
-Array = NDArray[np.float64]
 
 BELOW_TABLE_M = 0.03
 """An object this far below the table's top has left the table or passed through it."""

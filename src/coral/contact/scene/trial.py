@@ -6,17 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
 from coral.contact.scene.joint_motion import joint_motion, move_joint
 from coral.contact.scene.mesh import mesh_vertices
-from coral.contact.scene.observation import BodyState
+from coral.contact.scene.observation import Array, BodyState
 from coral.contact.scene.shapes import Movable, Shape
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 SUNK_M = 0.005
 """Tolerance of heights in files, for rounding."""
 PRESSED_M = 1e-3

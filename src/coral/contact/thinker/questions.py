@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -23,7 +20,7 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.facts import SceneFacts
-from coral.contact.scene.observation import Observation
+from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
@@ -36,7 +33,6 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import KIND, UnifiedAnswer, unified_prompt
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt, verify_estimates
 
-Array = NDArray[np.float64]
 Emit = Callable[..., None]
 
 

@@ -14,13 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.observation import Transition
+from coral.contact.scene.observation import Array, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 
-Array = NDArray[np.float64]
 GRAVITY_M_S2 = 9.81
 FINGER_M = np.array([0.010, 0.012, 0.008])
 """Half width of a finger, its thickness, and its extent beyond the tool."""

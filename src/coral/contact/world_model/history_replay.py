@@ -7,16 +7,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.geometry import angle_between
+from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.history import Window
-
-Array = NDArray[np.float64]
-
 
 POSITION_M = 0.0005
 """Unit of the object's position error."""

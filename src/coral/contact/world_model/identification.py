@@ -12,15 +12,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.force_balance import Balance, balance_error, solve_balance
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.words import many
-
-Array = NDArray[np.float64]
-
 
 MASS_KG, FRICTION = (0.02, 5.0), (0.1, 1.5)
 """Bounds of the fit."""

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 from coral.contact.real_scenes.calibration.charuco_board import SeenBoard
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.geometry import rotation_angle
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 LIMIT_PX = 1.5
 """Largest root mean square of the corners' residuals; corners are found to a tenth of a pixel, and hands move."""
 LEAST_PICTURES = 4

@@ -8,17 +8,16 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, Field
 
 from coral.config import Signed, read_model
 from coral.contact.scene.geometry import quaternion_of, rotation_of
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.yaml_file import to_yaml
 
-Array = NDArray[np.float64]
 Place = tuple[Signed, Signed, Signed]
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 FORM = "COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03"
 DICTIONARY = "4X4_50"
 LEAST_CORNERS = 6

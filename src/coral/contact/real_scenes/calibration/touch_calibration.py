@@ -7,17 +7,16 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from coral.config import Signed, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 LEAST, MOST = 4, 100
 """Number of points; three would leave nothing to check."""
 LIMIT_M = 0.01

@@ -14,9 +14,9 @@ from coral.bag_reader import message_types, read_messages, stamp_of
 from coral.camera_pictures import colours_in, values_in
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
+from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
 
-Array = NDArray[np.float64]
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
 ROLES = ("depth", "color", "info")

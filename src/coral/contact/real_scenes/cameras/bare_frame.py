@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
-
-Array = NDArray[np.float64]
+from coral.contact.scene.observation import Array
 
 
 def bare_frame(

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
 from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, WIDTH, RealSenseCamera
 from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
 from coral.plugins import named_plugin
 
-Array = NDArray[np.float64]
 GROUP = "coral.cameras"
 
 

@@ -6,17 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.real_scenes.cameras.bare_frame import bare_frame
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
-from coral.contact.scene.observation import Observation
+from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 
-Array = NDArray[np.float64]
 PICTURES, PERIOD_S = 10, 0.1
 """Number of pictures of a still scene, and the time between two."""
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
 from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed
+from coral.contact.scene.observation import Array
 from coral.errors import InputError, first_line, install_extra
 
-Array = NDArray[np.float64]
 WIDTH, HEIGHT, RATE_HZ = 640, 480, 30
 """What a D435 delivers for both streams by USB 2 too."""
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.bop_records import MM, BopFiles, PictureCamera, read_cameras, read_shared_camera
 from coral.contact.real_scenes.cameras.bare_frame import bare_frame
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
 from coral.foreign_file import read_picture_file
 
-Array = NDArray[np.float64]
 PERIOD_S = 0.1
 """Time between pictures if the recording states none."""
 SUFFIXES = (".png", ".jpg", ".tif")

@@ -17,10 +17,10 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.real_scenes.masks.mask_source import Mask, clean_mask
 from coral.contact.real_scenes.object_drawing import draw_depth
+from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 Pixel = tuple[Signed, Signed]
 LEFT = 0.3
 """A lost object has left its place if a smaller share of its last drawing is still there."""

@@ -9,15 +9,14 @@ from typing import Annotated
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from coral.config import Fraction, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.masks.mask_source import Mask, clean_mask
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
 
-Array = NDArray[np.float64]
 Degrees = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
 HUE_DEG, SATURATION = 12.0, 0.07
 """How far the colours of a picture are from the paint: light changes value, and hardly hue and saturation."""

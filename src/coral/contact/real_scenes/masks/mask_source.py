@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.scene.observation import Array
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 SECOND_PART = 0.2
 """Parts of a mask with a smaller share of its largest part are dropped: a finger in front splits an object in two."""
