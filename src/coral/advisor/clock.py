@@ -263,9 +263,8 @@ class SimulatedClock:
                     wait([future], None if math.isinf(request.deadline_s) else self._wall_timeout_s)
                 self.waited_s += time.monotonic() - began
                 if not future.done():
-                    parked.set_exception(
-                        AdvisorUnavailable("wall-timeout", f"no reply within {self._wall_timeout_s:g} s of wall time")
-                    )
+                    late = f"no reply within {self._wall_timeout_s:g} s of wall time"
+                    parked.set_exception(AdvisorUnavailable("wall-timeout", late))
                     return True
             if future.done():
                 self._determine_due(request)

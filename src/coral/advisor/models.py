@@ -93,10 +93,8 @@ class ModelAdvisor:
             return False
         place = urlsplit(self._url)
         try:
-            port = place.port or (443 if place.scheme == "https" else 80)
-            with socket.create_connection(
-                (place.hostname or "", port), timeout=min(CONNECT_S, self.cfg.attempt_timeout_s)
-            ):
+            address = place.hostname or "", place.port or (443 if place.scheme == "https" else 80)
+            with socket.create_connection(address, timeout=min(CONNECT_S, self.cfg.attempt_timeout_s)):
                 return False
         except (OSError, ValueError):
             return True
@@ -130,9 +128,8 @@ class ModelAdvisor:
             async with asyncio.timeout(self.cfg.deadline_s) as deadline:
                 return await self._answer(question, rejections, spent, deadline.when() or 0.0)
         except TimeoutError:
-            raise AdvisorUnavailable(
-                "timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s", usage=spent.usage
-            ) from None
+            late = f"{self.name} gave no answer within {self.cfg.deadline_s:g} s"
+            raise AdvisorUnavailable("timeout", late, usage=spent.usage) from None
         except AdvisorUnavailable as gone:
             gone.usage = spent.usage
             raise
@@ -145,9 +142,8 @@ class ModelAdvisor:
         parameters = self._request_parameters(question.answer_type)
         repair = ""
         for repairs_left in range(self.cfg.format_repairs, -1, -1):
-            response = await self._request(
-                self._build_message(question, rejections, repair), parameters, spent, deadline
-            )
+            message = self._build_message(question, rejections, repair)
+            response = await self._request(message, parameters, spent, deadline)
             raw = _raw(response)
             try:
                 value = _parse(response, raw, question.answer_type, self.cfg.max_output_tokens)
@@ -196,9 +192,8 @@ class ModelAdvisor:
             mode = "plain" if self._provider == "local" else "native"
         schema = answer_type.model_json_schema()
         if mode == "tool":
-            tool = ToolDefinition(
-                name="answer", description="Give the answer.", parameters_json_schema=schema, kind="output"
-            )
+            said = "Give the answer."
+            tool = ToolDefinition(name="answer", description=said, parameters_json_schema=schema, kind="output")
             return ModelRequestParameters(output_mode="tool", output_tools=[tool], allow_text_output=False)
         if mode == "plain":
             return ModelRequestParameters()
@@ -228,9 +223,8 @@ class ModelAdvisor:
                         [ModelRequest(parts=[UserPromptPart(_plain_if_text(content))])], settings, parameters
                     )
             except TimeoutError:
-                raise AdvisorUnavailable(
-                    "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s"
-                ) from None
+                silence = f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s"
+                raise AdvisorUnavailable("timeout", silence) from None
             except CLIENT_ERRORS as error:
                 failure = diagnose(error, self.name, self.cfg.max_reply_bytes)
             else:
@@ -243,9 +237,8 @@ class ModelAdvisor:
             if next_s - began_s > failure.patience_s:
                 raise failure.error
             if next_s >= deadline:
-                raise AdvisorUnavailable(
-                    failure.code, f"{failure.error}; the next try would be in {wait_s:g} s, after the deadline"
-                )
+                late = f"{failure.error}; the next try would be in {wait_s:g} s, after the deadline"
+                raise AdvisorUnavailable(failure.code, late)
             spent.fault(failure.code)
             await asyncio.sleep(wait_s)
             pause_s *= 2
@@ -301,18 +294,11 @@ def make_local(name: str, rest: str, setting: Setting) -> ModelAdvisor:
         InputError: The address is incomplete, or contains a secret.
     """
     if not re.match(r"https?://[^#\s]+#\S", rest):
-        raise InputError(
-            setting.where,
-            "",
-            "an incomplete local advisor",
-            "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model",
-        )
+        expected = "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model"
+        raise InputError(setting.where, "", "an incomplete local advisor", expected)
     url, _, model = rest.partition("#")
     if public_url(url) != url.rstrip("?"):
-        raise InputError(
-            setting.where,
-            "",
-            f"a URL with credentials or a query ({public_url(url)})",
-            f"a plain URL, and the key in the environment variable {LOCAL_KEY}",
-        )
+        found = f"a URL with credentials or a query ({public_url(url)})"
+        expected = f"a plain URL, and the key in the environment variable {LOCAL_KEY}"
+        raise InputError(setting.where, "", found, expected)
     return ModelAdvisor.local(url, model, setting.model)

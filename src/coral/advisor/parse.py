@@ -88,9 +88,8 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
         raise BadAnswer(*_explain(first_error), text, usage)
     if _REFUSAL.search(said):
         raise BadAnswer("refusal", "The reply declined to answer; choose one of the options as asked.", text, usage)
-    raise BadAnswer(
-        "not-json", "No JSON object could be read in the reply; return only the object asked for.", text, usage
-    )
+    reason = "No JSON object could be read in the reply; return only the object asked for."
+    raise BadAnswer("not-json", reason, text, usage)
 
 
 class _NotClosed(ValueError):
@@ -256,8 +255,9 @@ def _explain(error: ValidationError) -> tuple[str, str]:
     reasons = []
     for fault in faults[:3]:
         field = ".".join(str(part) for part in fault["loc"]) or "the answer"
-        found = "" if fault["type"] == "missing" else f" (found {_short(fault['input'])})"
-        reasons.append(f"{field}: {fault['msg']}{found}")
+        text = repr(fault["input"])
+        shown = text if len(text) <= 60 else text[:57] + "..."
+        reasons.append(f"{field}: {fault['msg']}" + ("" if fault["type"] == "missing" else f" (found {shown})"))
     kind = faults[0]["type"]
     if kind == "missing":
         code = "missing-field"
@@ -268,8 +268,3 @@ def _explain(error: ValidationError) -> tuple[str, str]:
     else:
         code = "invalid"
     return code, "The answer does not fit the format: " + "; ".join(reasons) + "."
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

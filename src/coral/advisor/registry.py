@@ -192,15 +192,8 @@ def make_advisor(
     def inner(text: str) -> Advisor:
         return make_advisor(text, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=mistakes)
 
-    setting = Setting(
-        rules=rules,
-        rng=rng,
-        inbox=inbox,
-        model=cfg or ModelCfg(),
-        where=where,
-        inner=inner,
-        mistakes=tuple(mistakes),
-    )
+    model, errors = cfg or ModelCfg(), tuple(mistakes)
+    setting = Setting(rules=rules, rng=rng, inbox=inbox, model=model, where=where, inner=inner, mistakes=errors)
     made: Advisor = _maker(entry, where)(entry.name, rest, setting)
     return made
 

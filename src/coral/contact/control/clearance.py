@@ -40,7 +40,6 @@ class Piece:
     half: Array
     """Half of its extents along its own axes, Shape=(3,) m."""
     place: Placement
-    """Where it is."""
     round_axes: int = 0
     """2 for a cylinder along its z axis, 3 for a sphere."""
 
@@ -58,8 +57,7 @@ class Piece:
 
 def clearances(trial: Trial) -> dict[str, Derived]:
     """Return the clearances that a cost may read, by name; shapes and fixtures are known, poses are the state's."""
-    movable, fixed = object_pieces(trial), fixture_pieces(trial)
-    hand = hand_pieces()
+    movable, fixed, hand = object_pieces(trial), fixture_pieces(trial), hand_pieces()
     found = {f"{name}_hand_clearance": _derived(each, hand) for name, each in {**movable, **fixed}.items()}
     for name, each in movable.items():
         found |= {f"{name}_{thing}_clearance": _derived(each, other) for thing, other in fixed.items()}

@@ -63,30 +63,12 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     hand.explicitinertial = True
     hand.add_site(name="tool", size=[0.005, 0.005, 0.005], group=5)
     rubber = {"priority": FINGER_PRIORITY, "friction": [FINGER_FRICTION, TORSION, ROLLING], "condim": condim}
-    box = mujoco.mjtGeom.mjGEOM_BOX
-    hand.add_geom(
-        name="palm",
-        type=box,
-        size=PALM_HALF_M,
-        pos=[0, 0, PALM_UP_M],
-        mass=0,
-        friction=[0.5, TORSION, ROLLING],
-        priority=FINGER_PRIORITY,
-        condim=3,
-        rgba=[0.9, 0.9, 0.92, 1],
-    )
+    hull = {"priority": FINGER_PRIORITY, "friction": [0.5, TORSION, ROLLING], "condim": 3, "mass": 0}
+    box, capsule = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CAPSULE
+    hand.add_geom(name="palm", type=box, size=PALM_HALF_M, pos=[0, 0, PALM_UP_M], rgba=[0.9, 0.9, 0.92, 1], **hull)
     if wrist:
-        hand.add_geom(
-            name="wrist",
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            size=[0.05, 0.05, 0],
-            pos=[0, 0, -0.2],
-            mass=0,
-            friction=[0.5, TORSION, ROLLING],
-            priority=FINGER_PRIORITY,
-            condim=3,
-            rgba=[0.85, 0.85, 0.88, 1],
-        )
+        grey = [0.85, 0.85, 0.88, 1]
+        hand.add_geom(name="wrist", type=capsule, size=[0.05, 0.05, 0], pos=[0, 0, -0.2], rgba=grey, **hull)
     for name, side in (("left", 1.0), ("right", -1.0)):
         finger = hand.add_body(name=name, gravcomp=1)
         finger.add_joint(

@@ -73,10 +73,7 @@ def _gap(model: mujoco.MjModel, data: mujoco.MjData, first: list[int], second: l
 
 def with_measured_contacts(state: Context, now: Observation, touched: dict[str, tuple[str, ...]]) -> Context:
     """Return a state, a batch of one, with the hand's measured contacts and forces in place of the predicted ones."""
-    values: dict[str, Value] = {
-        "ee_force": now.wrench[None, None, :3],
-        "ee_torque": now.wrench[None, None, 3:],
-    }
+    values: dict[str, Value] = {"ee_force": now.wrench[None, None, :3], "ee_torque": now.wrench[None, None, 3:]}
     alone = {name for names in touched.values() for name in names}
     for name in now.objects:
         for part in ("left", "right"):

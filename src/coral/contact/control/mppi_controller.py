@@ -70,12 +70,8 @@ class ControllerCfg:
     def __post_init__(self) -> None:
         """Check that the corners make a box."""
         if any(low >= high for low, high in zip(self.workspace_low_m, self.workspace_high_m, strict=True)):
-            raise InputError(
-                "--cfg",
-                "controller.workspace_low_m",
-                list(self.workspace_low_m),
-                f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}",
-            )
+            expected = f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}"
+            raise InputError("--cfg", "controller.workspace_low_m", list(self.workspace_low_m), expected)
 
 
 class Controller:
@@ -90,9 +86,8 @@ class Controller:
 
     def __init__(self, world: PlanningWorld, cfg: ControllerCfg, rng: np.random.Generator) -> None:
         self.world, self.cfg, self._rng = world, cfg, rng
-        sigma = np.array([*cfg.sigma_m, *cfg.sigma_rad, cfg.sigma_opening_m])
-        self._sigma = sigma
-        self.mppi = KnotMppi(cfg.mppi, sigma, rng, GROUPS)
+        self._sigma = np.array([*cfg.sigma_m, *cfg.sigma_rad, cfg.sigma_opening_m])
+        self.mppi = KnotMppi(cfg.mppi, self._sigma, rng, GROUPS)
         self.span_s = cfg.horizon * world.cfg.step_s
         self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
         self._target: HandTarget | None = None
@@ -177,9 +172,8 @@ class Controller:
         finite = np.isfinite(costs)
         forces = [np.linalg.norm(context[f"{name}_hand_force"], axis=-1) for name in self.world.fixed_names]
         excess = np.maximum(np.sum(forces, axis=0) - self.cfg.press_free_n, 0.0) / 10.0
-        each = excess.mean(axis=1)
         spread = float(np.std(costs[finite])) if finite.any() else 0.0
-        return np.asarray(self.cfg.press_weight * spread * each)
+        return np.asarray(self.cfg.press_weight * spread * excess.mean(axis=1))
 
     def _bounded_start(self, now: Observation, target: HandTarget, stiffness_n_m: float) -> HandTarget:
         """Return the present target, clipped to the allowed lead over the hand.

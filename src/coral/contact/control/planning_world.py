@@ -230,13 +230,7 @@ class PlanningWorld:
         return state
 
     def _values(
-        self,
-        states: Array,
-        sensors: Array,
-        controls: ControlSequences,
-        now: Observation,
-        step: int,
-        since: Observation,
+        self, states: Array, sensors: Array, controls: ControlSequences, now: Observation, step: int, since: Observation
     ) -> Mapping[str, Value]:
         index, horizon = self._index, states.shape[1]
         qpos, qvel = states[..., 1 : 1 + index.nq], states[..., 1 + index.nq : 1 + index.nq + index.nv]
@@ -342,8 +336,8 @@ def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation, tria
         data.qvel[speed + 3 : speed + 6] = _own_axes(body)
 
 
-def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0.015) -> None:
-    """Shift the pair of fingers out of a penetrated object, keeping the opening.
+def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Shift the pair of fingers out of a penetrated object by up to 1.5 cm, keeping the opening.
 
     Only the sum of the fingers' positions is measured. An object held off-centre would start deep inside one finger and
     be thrown out of the imagined grasp, so that no lift could be found.
@@ -360,7 +354,7 @@ def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0
                 along = data.joint(f"{side}_slide").xaxis @ outward
                 if along > 0.7:
                     depth[side] = max(depth[side], -contact.dist / along)
-    shift = np.clip((depth["left"] - depth["right"]) / (1.0 if min(depth.values()) == 0.0 else 2.0), -most_m, most_m)
+    shift = np.clip((depth["left"] - depth["right"]) / (1.0 if min(depth.values()) == 0.0 else 2.0), -0.015, 0.015)
     data.joint("left_slide").qpos[0] += shift
     data.joint("right_slide").qpos[0] -= shift
 

@@ -35,7 +35,6 @@ class RolloutStart:
     """Start of all rollouts of a model."""
 
     model: mujoco.MjModel
-    """The model."""
     state: Array
     """Shape=(S,), MuJoCo's full physics state."""
     data: mujoco.MjData | None = None
@@ -115,9 +114,9 @@ class Rollouts:
     def run(self, starts: Sequence[RolloutStart], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
         """Roll out every start, of models that differ only in numbers, under its share of the controls.
 
-        These have Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on. Of `every` so many
-        steps the last is kept, as a row of MuJoCo's `mjtState` bits in `spec`. `mend` checks a part of the rollouts as
-        soon as it is complete.
+        These have Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on; `spec` says what
+        is in a row, as MuJoCo's `mjtState` bits. Of `every` so many steps the last is kept. `mend` checks a part of the
+        rollouts as soon as it is complete.
         """
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]

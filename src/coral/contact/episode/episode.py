@@ -109,9 +109,8 @@ class Episode:
         elif strategist.guesses_poses:
             self.world = self.guessed = GuessedWorld(self.world, trial)
         elif cfg.poses == "tracked":
-            self.world = self.tracked = TrackedWorld(
-                self.world, trial, cfg.tracked, np.random.default_rng([trial.seed, 4])
-            )
+            rng = np.random.default_rng([trial.seed, 4])
+            self.world = self.tracked = TrackedWorld(self.world, trial, cfg.tracked, rng)
         self.latency = PlanLatency(cfg.planning.latency, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
         self._meanwhile: Meanwhile | None = None
         if in_real_time(self.world):
@@ -444,16 +443,11 @@ class Episode:
             self.now = self.guessed.settle(self.strategist.guess_poses(self.trial, self.now), self.now)
         self._emit_track_changes()
         self.planner = PlanningWorld(self.trial, prior_beliefs(self.trial), self.now, cfg.planning)
-        self.controller = self._make_controller(
-            self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1])
-        )
+        rng = np.random.default_rng([self.trial.seed, 1])
+        self.controller = self._make_controller(self.planner, cfg.controller, rng)
         self.controller.reset(self.now)
-        self.reactive = Reactive(
-            cfg.reactive,
-            cfg.planning.step_s,
-            np.asarray(cfg.controller.workspace_low_m),
-            np.asarray(cfg.controller.workspace_high_m),
-        )
+        low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
+        self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, low, high)
         first = self._still = HandTarget(
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
         )
@@ -501,17 +495,10 @@ class Episode:
         except (InputError, RunError) as error:
             # Like a memory that cannot be written, this is raised after the record is complete.
             self._late = error
-        counts = self.strategist.counts
+        counts = dataclasses.asdict(self.strategist.counts)
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)
-        self.emit(
-            "end",
-            reason=self.end_reason or "failed",
-            detail=self.detail,
-            advisor_calls=counts.advisor_calls,
-            repairs=counts.repairs,
-            memory_hit=counts.memory_hit,
-        )
+        self.emit("end", reason=self.end_reason or "failed", detail=self.detail, **counts)
         self.writer.close()
         self.world.close()
         if hasattr(self, "planner"):
@@ -528,9 +515,8 @@ class Episode:
 def as_perceived(trial: Trial, now: Observation) -> Trial:
     """Return the trial as the robot perceives it: estimated poses, prior masses and frictions."""
     held = with_beliefs(trial, prior_beliefs(trial))
-    return dataclasses.replace(
-        held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
-    )
+    objects = {name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
+    return dataclasses.replace(held, objects=objects)
 
 
 def _number(value: float) -> float | None:

@@ -66,7 +66,6 @@ class OwnCost:
     """A checked cost of the user's own."""
 
     strategy: Strategy
-    """Its stages."""
     file: str
     """Name of the file in the run folder that keeps it."""
     text: str
@@ -111,8 +110,7 @@ def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
     if refusal is not None:
         raise InputError(str(path), refusal.code, refusal.reason, "")
     strategy = make_strategy(path.stem, plan, RegionsAnswer({}), schema, {}, worker.load)
-    kept = f"cost{path.suffix.lower()}"
-    return OwnCost(strategy, kept, read_text(path, "a readable file with a cost"))
+    return OwnCost(strategy, f"cost{path.suffix.lower()}", read_text(path, "a readable file with a cost"))
 
 
 def _to_strategy(given: Any, name: str, where: str) -> Strategy:

@@ -89,18 +89,8 @@ class EpisodeRecorder:
         """Record one control step: its row, the world's state, and contacts that have begun or ended."""
         self.state(step, now.time_s, world)
         self._emit(step, self._contacts.update(truth))
-        values: list[float | str] = [
-            step,
-            now.time_s,
-            *_pose(now.tool),
-            now.opening_m,
-            *command.position,
-            *command.quaternion,
-            command.opening_m,
-            command.stiffness,
-            *now.wrench,
-            stage,
-        ]
+        values: list[float | str] = [step, now.time_s, *_pose(now.tool), now.opening_m]
+        values += [*command.position, *command.quaternion, command.opening_m, command.stiffness, *now.wrench, stage]
         for name in self._objects:
             force = (hand_force(truth, name) or 0.0) if truth.contacts_known else ""
             values += [*_pose(truth.objects[name]), force, *_touch_point(truth, name)]
@@ -117,8 +107,7 @@ class EpisodeRecorder:
         self._due = t + self._cfg.state_period_s
         data = simulation.data
         if self._states is None:
-            path = self._writer.folder / TaskFiles.STATES
-            self._states = open_log(path)
+            self._states = open_log(self._writer.folder / TaskFiles.STATES)
             self._states.write(",".join(["step", "t", *(f"q{k}" for k in range(len(data.qpos)))]) + "\n")
         self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")
 
@@ -176,12 +165,8 @@ class ContactLog:
 
 
 def _begin_fields(contact: Contact, newtons: float) -> dict[str, Any]:
-    return {
-        "first": contact.first,
-        "second": contact.second,
-        "force_n": round(newtons, 3),
-        "point": numbers(contact.point, 4),
-    }
+    told = {"first": contact.first, "second": contact.second}
+    return {**told, "force_n": round(newtons, 3), "point": numbers(contact.point, 4)}
 
 
 def _end_fields(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:

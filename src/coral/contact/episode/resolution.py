@@ -56,17 +56,15 @@ def check_combination(
     which = "--policy" if policy is not None else "--cost" if cost is not None else f"--variant {variant}"
     instead = policy is not None or cost is not None
     if advisor != DEFAULT_ADVISOR and (instead or variant in ALONE):
-        raise InputError(
-            "--advisor", "", f"{advisor} with {which}", "a variant that asks an advisor, such as --variant full"
-        )
+        expected = "a variant that asks an advisor, such as --variant full"
+        raise InputError("--advisor", "", f"{advisor} with {which}", expected)
     if prompt is not None and (instead or variant in ALONE):
         raise InputError("--prompt", "", f"also {which}", "a variant that asks an advisor, such as full")
     if believe is not None and (instead or variant in (*ALONE, "unified")):
         raise InputError("--believe", "", f"also {which}", "a variant that asks for masses and frictions, such as full")
     if memory is not None and (instead or variant not in REMEMBERING):
-        raise InputError(
-            "--memory", "", f"also {which}", f"a variant that remembers, such as full ({', '.join(REMEMBERING)})"
-        )
+        expected = f"a variant that remembers, such as full ({', '.join(REMEMBERING)})"
+        raise InputError("--memory", "", f"also {which}", expected)
     if tracker is not None and (policy is not None or variant == "no-tracking"):
         raise InputError("--tracker", "", f"also {which}", "a variant that tracks the objects")
 

@@ -43,15 +43,8 @@ def contact_advisor(
     Raises:
         InputError: What `make_advisor` raises.
     """
-    return make_advisor(
-        spec,
-        rules={},
-        rng=np.random.default_rng(key),
-        inbox=inbox,
-        cfg=checked(model, "--model"),
-        where=where,
-        mistakes=CONTACT_MISTAKES,
-    )
+    rng, cfg = np.random.default_rng(key), checked(model, "--model")
+    return make_advisor(spec, rules={}, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=CONTACT_MISTAKES)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,18 +19,13 @@ import numpy as np
 
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
 from coral.contact.franka.child_process import ChildProcess, get_ready, leave_interrupts_to_the_program
-from coral.contact.franka.double_scene import (
-    HAND,
-    DoubleScene,
-    body_state,
-    make_rubber,
-    scene_elements,
-)
+from coral.contact.franka.double_scene import HAND, DoubleScene, make_rubber, scene_elements
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.scene.geometry import from_rotvec, multiply, rotate
 from coral.contact.scene.observation import Array, BodyState, Observation, Truth
 from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import body_state
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
 
@@ -84,11 +79,7 @@ class Double:
     """
 
     def __init__(
-        self,
-        trial: Trial,
-        arm: FrankaCfg,
-        speed: float = 1.0,
-        make_process: Callable[..., Any] | None = None,
+        self, trial: Trial, arm: FrankaCfg, speed: float = 1.0, make_process: Callable[..., Any] | None = None
     ) -> None:
         try:
             import franky_sim  # noqa: F401
@@ -151,12 +142,7 @@ class _Server:
     """Steps the simulation in real time or slower, as far as the machine allows."""
 
     def __init__(
-        self,
-        trial: Trial,
-        arm: FrankaCfg,
-        speed: float,
-        state: SharedBlock[Observation | None],
-        connection: Connection,
+        self, trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[Observation | None], connection: Connection
     ) -> None:
         import franky_sim
         from franky_sim.franka_robot_server import FrankaRobotServer
@@ -207,9 +193,8 @@ class _Server:
             step += 1
             if step % POSES_EVERY == 0:
                 self._send_poses()
-            due = max(
-                due + self._period_s, time.perf_counter() - 0.02
-            )  # a late simulation catches up with 20 ms at most
+            # A late simulation catches up with 20 ms at most.
+            due = max(due + self._period_s, time.perf_counter() - 0.02)
             if (early_s := due - time.perf_counter()) > 0.0:
                 time.sleep(early_s)
 

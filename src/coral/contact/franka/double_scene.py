@@ -12,6 +12,7 @@ from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
 from coral.contact.scene.mujoco_scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION, add_scene
 from coral.contact.scene.observation import Array, BodyState, HandForce, Truth
 from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import body_state
 from coral.contact.worlds.merged_contacts import merged_contacts
 
 HAND, LEFT, RIGHT = "robot0_hand", "robot0_left_finger", "robot0_right_finger"
@@ -118,10 +119,3 @@ class DoubleScene:
     def poses(self) -> dict[str, BodyState]:
         """Return the true poses and velocities of the objects."""
         return {name: body_state(self._model, self._data, name) for name in self._objects}
-
-
-def body_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
-    """Return the pose and velocity of a body, world frame."""
-    body, motion = model.body(name).id, np.zeros(6)
-    mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, motion, 0)
-    return BodyState(data.xpos[body].copy(), data.xquat[body].copy(), motion[3:].copy(), motion[:3].copy())

@@ -12,7 +12,7 @@ from coral.contact.franka.arm import ArmError, ArmState
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka_cfg import FrankaCfg
-from coral.errors import InputError, RunError, install_extra
+from coral.errors import InputError, RunError, first_line, install_extra
 
 MISSING = f"{install_extra('franka')}, for the package franky-control"
 STOP_RAMP_S = 0.02
@@ -54,11 +54,10 @@ class FrankyArm:
             self._robot = package.Robot(address, relative_dynamics_factor=cfg.start_speed, realtime_config=kernel)
             self._gripper = package.Gripper(address)
         except package.NetworkException as error:
-            raise InputError(
-                "--robot", "", f"{address} ({_line(error)})", "the address of an arm with its FCI active"
-            ) from None
+            expected = "the address of an arm with its FCI active"
+            raise InputError("--robot", "", f"{address} ({first_line(error)})", expected) from None
         except Exception as error:
-            raise RunError(f"the arm at {address} cannot be used: {_line(error)}") from None
+            raise RunError(f"the arm at {address} cannot be used: {first_line(error)}") from None
         self._tracker: Any = None
         self._stiffness = 0.0
         self._going = False
@@ -72,7 +71,7 @@ class FrankyArm:
         try:
             state = self._robot.state
         except Exception as error:
-            raise ArmError(_line(error)) from None
+            raise ArmError(first_line(error)) from None
         pose = np.asarray(state.O_T_EE.matrix)
         return ArmState(
             float(state.time.to_sec()),
@@ -109,10 +108,7 @@ class FrankyArm:
             if self._tracker is None:
                 posture = self._franky.PostureTask(np.asarray(self._cfg.start_rad), self._cfg.posture_stiffness)
                 self._tracker = self._franky.CartesianImpedanceTracker(
-                    self._robot,
-                    gains=self._gains(target.stiffness),
-                    posture_task=posture,
-                    friction=self._friction(),
+                    self._robot, gains=self._gains(target.stiffness), posture_task=posture, friction=self._friction()
                 )
                 self._stiffness = target.stiffness
             elif target.stiffness != self._stiffness:
@@ -191,8 +187,4 @@ class FrankyArm:
         except ArmError:
             raise
         except Exception as error:
-            raise ArmError(_line(error)) from None
-
-
-def _line(error: BaseException) -> str:
-    return next(iter(str(error).splitlines()), type(error).__name__)
+            raise ArmError(first_line(error)) from None

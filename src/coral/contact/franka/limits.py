@@ -97,9 +97,8 @@ class Limits:
         angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._arm.lever_m2 * target.stiffness)
         if angle > widest:
             turn = turn * (widest / angle)
-        lead, turn = self._slowed(
-            lead, turn, state, target.stiffness, wrench[:3] if pressing is None else pressing, gaps
-        )
+        pressing = wrench[:3] if pressing is None else pressing
+        lead, turn = self._slowed(lead, turn, state, target.stiffness, pressing, gaps)
         quaternion = multiply(from_rotvec(turn), state.quaternion)
         return replace(target, position=state.position + lead, quaternion=quaternion, force=np.zeros(3))
 

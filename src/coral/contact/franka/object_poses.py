@@ -107,9 +107,8 @@ class ObjectPoses:
 
     def oldest(self, now_s: float) -> tuple[str, float]:
         """Return the object whose pose is oldest, and its age (s)."""
-        return max(
-            ((name, self.age_s(name, now_s)) for name in self.names), key=lambda found: found[1], default=("", 0.0)
-        )
+        ages = ((name, self.age_s(name, now_s)) for name in self.names)
+        return max(ages, key=lambda found: found[1], default=("", 0.0))
 
     def close(self) -> None:
         """Close the port."""
@@ -144,10 +143,8 @@ def _carried(pose: BodyState, tool: BodyState) -> BodyState:
 
 def poses_datagram(poses: Mapping[str, BodyState], held: Collection[str] = ()) -> bytes:
     """Return the datagram with these poses; those of the objects in `held` are in the tool's frame."""
-    return json.dumps(
-        {"objects": {name: _written(pose) | ({"in": "tool"} if name in held else {}) for name, pose in poses.items()}}
-    ).encode()
-
-
-def _written(pose: BodyState) -> dict[str, list[float]]:
-    return {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+    objects: dict[str, dict[str, Any]] = {}
+    for name, pose in poses.items():
+        frame = {"in": "tool"} if name in held else {}
+        objects[name] = {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist(), **frame}
+    return json.dumps({"objects": objects}).encode()

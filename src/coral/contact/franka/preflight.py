@@ -38,18 +38,14 @@ def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) 
     beyond = Limits(cfg).violation(replace(state, joint_speeds=np.zeros(7), twist=np.zeros(6)), np.zeros(6))
     x, y, z = state.position + np.asarray(cfg.base_m)
     force = float(np.linalg.norm(report.wrench[:3]))
-    checks = [
+    pull = f"{force:.1f} N, taken as bias once the arm is in its start posture"
+    return (
         PreflightCheck("the arm sends its state", True, f"arm's clock {state.time_s:.2f} s"),
         PreflightCheck("the arm is at rest", fastest < RESTING_RAD_S, f"fastest joint {fastest:.3f} rad/s"),
         PreflightCheck("within all limits", not beyond, beyond or f"tool at {x:+.3f} {y:+.3f} {z:+.3f} m"),
-        PreflightCheck(
-            "nothing pulls at the hand",
-            force < cfg.limits.push_n,
-            f"{force:.1f} N, taken as bias once the arm is in its start posture",
-        ),
-    ]
-    checks += [_seen(name, report.objects.get(name), report.ages_s.get(name, 0.0), cfg) for name in objects]
-    return tuple(checks)
+        PreflightCheck("nothing pulls at the hand", force < cfg.limits.push_n, pull),
+        *(_seen(name, report.objects.get(name), report.ages_s.get(name, 0.0), cfg) for name in objects),
+    )
 
 
 def _seen(name: str, pose: BodyState | None, age_s: float, cfg: FrankaCfg) -> PreflightCheck:

@@ -119,9 +119,8 @@ class RosArm:
         now = self.read()
         goal, quaternion = tool_pose(joints)
         turn = to_rotvec(multiply(quaternion, conjugate(now.quaternion)))
-        lasts_s = max(
-            float(np.linalg.norm(goal - now.position)) / START_M_S, float(np.linalg.norm(turn)) / START_RAD_S, 0.1
-        )
+        way_m, turn_rad = float(np.linalg.norm(goal - now.position)), float(np.linalg.norm(turn))
+        lasts_s = max(way_m / START_M_S, turn_rad / START_RAD_S, 0.1)
         self._way = _Way(now.time_s, lasts_s, now.position, now.quaternion, goal, turn)
 
     def arrived(self) -> bool:

@@ -100,8 +100,7 @@ class Stream:
         hand_gaps: HandGaps | None = None,
     ) -> None:
         self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
-        self._hand_gaps = hand_gaps
-        self._limits = Limits(cfg)
+        self._hand_gaps, self._limits = hand_gaps, Limits(cfg)
         self._readings: list[Array] = []
         self._bias = np.zeros(6)
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""

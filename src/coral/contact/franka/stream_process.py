@@ -95,11 +95,7 @@ class StreamProcess:
         self.child.end()
 
     def _order(
-        self,
-        start: bool = False,
-        stop: StopCause | None = None,
-        quit: bool = False,
-        target: HandTarget | None = None,
+        self, start: bool = False, stop: StopCause | None = None, quit: bool = False, target: HandTarget | None = None
     ) -> None:
         with self._lock:
             before = self._orders

@@ -95,10 +95,6 @@ def find_package(where: str, suite: str = "object") -> Package:
     """
     root = Path(os.environ.get(FOLDER) or default_folder())
     if not (root / _DATA).is_dir() or not (root / _ASSETS).is_dir():
-        raise InputError(
-            where,
-            "",
-            f"no LIBERO package in {root}",
-            f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/reference/libero.md)",
-        )
+        expected = f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/reference/libero.md)"
+        raise InputError(where, "", f"no LIBERO package in {root}", expected)
     return Package(root, suite)

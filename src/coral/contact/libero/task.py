@@ -69,13 +69,8 @@ def load_libero(text: str) -> Task:
     match = re.fullmatch(rf"{PREFIX}([a-z-]+)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
     if match is None or match[1] not in KINDS:
         hint = "" if match is None else nearest(match[1], KINDS)
-        raise InputError(
-            "task",
-            "",
-            text,
-            f"libero:KIND/TASK, such as libero:object/0, or with a state libero:object/0/3; KIND is one of "
-            f"{', '.join(KINDS)}{hint}",
-        )
+        form = "libero:KIND/TASK, such as libero:object/0, or with a state libero:object/0/3"
+        raise InputError("task", "", text, f"{form}; KIND is one of {', '.join(KINDS)}{hint}")
     package = find_package(text, "object" if match[1] == PICK else match[1])
     names = package.tasks()
     index, state = int(match[2]), int(match[3] or 0)
@@ -89,13 +84,12 @@ def lifting(task: Task) -> Task:
     """Make the task of lifting in the same scene: hold the object 10 cm up for half a second, as in pick-box."""
     item = task.objects[0]
     conditions = (Lifted(object=item.name, height_m=0.1), Grasped(object=item.name))
-    return task.model_copy(
-        update={
-            "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
-            "numbers": {"lift_height": 0.12, "hover_height": HOVER_M},
-            "success": Success(hold_s=0.5, conditions=conditions),
-        }
-    )
+    changed = {
+        "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
+        "numbers": {"lift_height": 0.12, "hover_height": HOVER_M},
+        "success": Success(hold_s=0.5, conditions=conditions),
+    }
+    return task.model_copy(update=changed)
 
 
 def libero_task(package: Package, task: str, name: str, state: int) -> Task:
@@ -116,6 +110,7 @@ def libero_task(package: Package, task: str, name: str, state: int) -> Task:
     middle = rotation @ region.position + np.array([*(position[:2] + SHIFT_M), lift])
     # LIBERO takes the absolute value of the rotated half edges, exact for quarter turns.
     half = np.abs(rotation @ region.rotation @ region.size) / 2
+    low = triple(middle - half - np.array([0, 0, BELOW_REGION_M]))
     floor = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures if fixture.name.endswith("bottom"))
     rim = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures)
     order = [problem.target, *(key for key in problem.objects if key not in (problem.target, problem.container))]
@@ -125,23 +120,14 @@ def libero_task(package: Package, task: str, name: str, state: int) -> Task:
     made = Task(
         name=name,
         title=TITLE,
-        instruction=_instruction(problem),
+        instruction=problem.language.strip().rstrip(".") + ".",
         time_limit_s=40.0,
         table=TableTop(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
         fixtures=fixtures,
         objects=objects,
         places={"goal": (float(middle[0]), float(middle[1]), float(floor))},
         numbers={"carry_height": round(rim + _rim_clearance(objects[0]), 3), "hover_height": HOVER_M},
-        success=Success(
-            hold_s=0.0,
-            conditions=(
-                Inside(
-                    object=objects[0].name,
-                    low=triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
-                    high=triple(middle + half),
-                ),
-            ),
-        ),
+        success=Success(hold_s=0.0, conditions=(Inside(object=objects[0].name, low=low, high=triple(middle + half)),)),
     )
     check_task(made, name)
     return made
@@ -252,7 +238,3 @@ def _yaw_deg(rotation: Array) -> float:
 
 def _plain(name: str) -> str:
     return re.sub(r"_\d+$", "", name)
-
-
-def _instruction(problem: Problem) -> str:
-    return problem.language.strip().rstrip(".") + "."

@@ -42,9 +42,12 @@ class HashedConcepts:
         """See `Embedder.embed`."""
         found = np.zeros(self.size, dtype=np.float32)
         # How often a concept is repeated says little about the task.
-        for concept in sorted({concept for concept in concepts_of(text) if concept not in STOP}):
-            _count(found, concept)
-        return _unit(found)
+        for concept in sorted(set(concepts_of(text)) - STOP):
+            digest = hashlib.blake2b(concept.encode(), digest_size=8).digest()
+            # With a sign of its own, so that words in one bin cancel rather than add.
+            found[int.from_bytes(digest[:4], "big") % self.size] += 1.0 if digest[4] % 2 else -1.0
+        length = float(np.linalg.norm(found))
+        return found / np.float32(length) if length else found
 
 
 DEFAULT = "concepts"
@@ -60,14 +63,3 @@ def embedder_of(name: str) -> Embedder:
         return HashedConcepts()
     made: Embedder = named_plugin("coral.embedders", name, "--cfg.think.memory.embedder", ours=(DEFAULT,))()
     return made
-
-
-def _count(bins: Vector, gram: str) -> None:
-    """Add a word to its bin, with a sign of its own so that words in one bin cancel rather than add."""
-    digest = hashlib.blake2b(gram.encode(), digest_size=8).digest()
-    bins[int.from_bytes(digest[:4], "big") % len(bins)] += 1.0 if digest[4] % 2 else -1.0
-
-
-def _unit(vector: Vector) -> Vector:
-    length = float(np.linalg.norm(vector))
-    return vector / np.float32(length) if length else vector

@@ -97,11 +97,9 @@ def _pair(
     for one, other in pairs:
         for key in NAMES:
             a, b = one.get(key), other.get(key)
-            if (a is None) != (b is None):
-                return None
-            if a is not None and b is not None and (a == "table") != (b == "table"):
-                return None
-            if a is not None and b is not None and names.setdefault(a, b) != b:
+            if a is None and b is None:
+                continue
+            if a is None or b is None or (a == "table") != (b == "table") or names.setdefault(a, b) != b:
                 return None
         if not _same(one, other) or _way(one, then) != _way(other, now):
             return None

@@ -75,11 +75,9 @@ class Stored:
     """An experience in the memory, with the number of its uses and of the uses that ended in success."""
 
     id: int
-    """Its number."""
     created: str
     """Time of storage, UTC."""
     experience: Experience
-    """The experience."""
     used: int
     helped: int
     """Number of uses, and number of uses that ended in success."""
@@ -99,7 +97,6 @@ class Match:
     """A remembered experience that matches the scene."""
 
     stored: Stored
-    """The stored experience."""
     similarity: float
     """Cosine similarity of the instructions."""
     distance: float
@@ -143,32 +140,20 @@ class Memory:
             InputError: The experience is not a verified success, or the store cannot be written.
         """
         if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
-            raise InputError(
-                "memory", "provenance", dict(experience.provenance), "success: true and the world that it was judged in"
-            )
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        return self.store.insert(
-            now, experience.model_dump_json(), self.embedder.name, self.embedder.embed(experience.instruction)
-        )
+            expected = "success: true and the world that it was judged in"
+            raise InputError("memory", "provenance", dict(experience.provenance), expected)
+        now, vector = datetime.now(UTC).isoformat(timespec="seconds"), self.embedder.embed(experience.instruction)
+        return self.store.insert(now, experience.model_dump_json(), self.embedder.name, vector)
 
     def all(self) -> list[Stored]:
         """Return every readable experience, oldest first."""
         found = []
         for row in self.store.rows():
             try:
-                found.append(
-                    Stored(
-                        row.id,
-                        row.created,
-                        Experience.model_validate_json(row.record),
-                        row.used,
-                        row.helped,
-                        row.embedder,
-                        row.vector,
-                    )
-                )
+                experience = Experience.model_validate_json(row.record)
             except ValidationError:
                 continue  # written by another version: stays in the store, unused
+            found.append(Stored(row.id, row.created, experience, row.used, row.helped, row.embedder, row.vector))
         return found
 
     def get(self, number: int) -> Stored:
@@ -244,12 +229,8 @@ class Memory:
 
     def export(self) -> dict[str, Any]:
         """Return all experiences as JSON."""
-        return {
-            "format": FORMAT,
-            "experiences": [
-                {"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()
-            ],
-        }
+        kept = [{"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()]
+        return {"format": FORMAT, "experiences": kept}
 
     def load(self, content: Mapping[str, Any], where: str) -> int:
         """Import the result of `export`; return how many experiences were new.

@@ -78,9 +78,7 @@ class SqliteStore:
         if not self.path.exists():
             return []
         with self._open() as base:
-            found = base.execute(
-                "SELECT id, created, record, embedder, vector, used, helped FROM experience ORDER BY id"
-            ).fetchall()
+            found = base.execute(f"SELECT {', '.join(COLUMNS)} FROM experience ORDER BY id").fetchall()
         return [self._row(values) for values in found]
 
     def _row(self, values: tuple[object, ...]) -> Row:
@@ -94,7 +92,8 @@ class SqliteStore:
                 shown = "nothing" if value is None else type(value).__name__
                 raise InputError(self.name, f"experience {values[0]}.{column}", shown, f"{kind.__name__} in every row")
         number, created, record, embedder, blob, used, helped = cast(Columns, values)
-        return Row(number, created, record, embedder, _vector(blob), used, helped)
+        vector = np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")  # another program may have truncated it
+        return Row(number, created, record, embedder, vector, used, helped)
 
     def delete(self, number: int) -> None:
         """Remove a row if it exists."""
@@ -103,10 +102,9 @@ class SqliteStore:
 
     def count(self, number: int, helped: bool) -> None:
         """Record that a row was used, if it still exists."""
+        counted = "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?"
         with self._open(write=True) as base:
-            base.execute(
-                "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?", (int(helped), number)
-            )
+            base.execute(counted, (int(helped), number))
 
     @contextmanager
     def _open(self, write: bool = False) -> Iterator[sqlite3.Connection]:
@@ -125,11 +123,6 @@ class SqliteStore:
                     yield base
         except (sqlite3.Error, OSError) as error:
             raise InputError(self.name, "", error, "an SQLite file of experiences that can be opened") from None
-
-
-def _vector(blob: bytes) -> Vector:
-    """Decode a vector of any length; another program may have truncated it."""
-    return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
 
 
 def _enable_write_ahead(base: sqlite3.Connection) -> None:

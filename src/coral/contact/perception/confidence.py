@@ -54,11 +54,7 @@ def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_]) -> bool:
 
 
 def patch_around(
-    frame: RgbdFrame,
-    mask: NDArray[np.bool_],
-    model: ObjectModel,
-    poses: list[Array],
-    pixels: int,
+    frame: RgbdFrame, mask: NDArray[np.bool_], model: ObjectModel, poses: list[Array], pixels: int
 ) -> ImagePatch:
     """Crop the picture to the mask and to the object's drawings at some poses (T_camera_object)."""
     points = model.points[::10]

@@ -72,12 +72,7 @@ class DepthNoise:
         self.cfg = cfg or DepthNoiseCfg()
 
     def apply(
-        self,
-        depth: Array,
-        normal: Array,
-        instance: NDArray[np.uint8],
-        lens: Array,
-        rng: np.random.Generator,
+        self, depth: Array, normal: Array, instance: NDArray[np.uint8], lens: Array, rng: np.random.Generator
     ) -> tuple[Array, NDArray[np.uint8]]:
         """Add noise to depth and instances, Shape=(H, W); depth is in metres, inf without a surface or measurement.
 

@@ -53,19 +53,13 @@ class FoundationPoseTracker:
         TrackerFailed: The server does not answer, or refuses the object.
     """
 
-    def __init__(
-        self,
-        model: ObjectModel,
-        cfg: FoundationPoseCfg | None = None,
-        expected: Array | None = None,
-    ) -> None:
+    def __init__(self, model: ObjectModel, cfg: FoundationPoseCfg | None = None, expected: Array | None = None) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
         self._session: NDArray[Any] | None = None
         self.belief = PoseBelief(model, expected)
         vertices, faces = np.unique(model.triangles.reshape(-1, 3).round(7), axis=0, return_inverse=True)
-        self._session = self._ask(
-            "init", {"vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}
-        ).get("session")
+        shape = {"vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}
+        self._session = self._ask("init", shape).get("session")
         if self._session is None:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
 

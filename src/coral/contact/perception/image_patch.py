@@ -69,13 +69,8 @@ def crop_patch(
         bound[nearest[~part]] = np.where(occlusion > 0, NEARER, np.where(seen > 0, seen, np.inf))[~part]
         hidden = bound[nearest] < seen - NEARER
         occlusion = np.where(part, OCCLUDED_RIM * hidden, ROBOT * occlusion).astype(np.uint8)
-    return ImagePatch(
-        seen,
-        part,
-        field.astype(np.float32),
-        occlusion,
-        np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step]),
-    )
+    own_lens = np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step])
+    return ImagePatch(seen, part, field.astype(np.float32), occlusion, own_lens)
 
 
 def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) -> tuple[int, int, int, int]:

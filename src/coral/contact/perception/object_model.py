@@ -30,7 +30,6 @@ class ObjectModel:
     """A rigid object in its own frame."""
 
     solids: Solids
-    """Solids for ray casting."""
     triangles: Array
     """Surface, Shape=(m, 3, 3) m; round parts as prisms."""
     points: Array

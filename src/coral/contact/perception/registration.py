@@ -46,18 +46,10 @@ def start_orientations(model: ObjectModel) -> Array:
     symmetry = model.symmetry
     if symmetry.sphere:
         return np.eye(3)[None]
-    sides = [
-        rotation_about(np.array(a, float), t)
-        for a, t in (
-            ((1, 0, 0), 0.0),
-            ((1, 0, 0), math.pi / 2),
-            ((1, 0, 0), math.pi),
-            ((1, 0, 0), -math.pi / 2),
-            ((0, 1, 0), math.pi / 2),
-            ((0, 1, 0), -math.pi / 2),
-        )
-    ]
-    headings = [rotation_about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / HEADINGS) for k in range(HEADINGS)]
+    x, y, z = np.eye(3)
+    sides = [rotation_about(x, turn) for turn in (0.0, math.pi / 2, math.pi, -math.pi / 2)]
+    sides += [rotation_about(y, turn) for turn in (math.pi / 2, -math.pi / 2)]
+    headings = [rotation_about(z, 2 * math.pi * k / HEADINGS) for k in range(HEADINGS)]
     resting = [turn @ side for side in sides for turn in headings]
     group = symmetry.members(12)[:, :3, :3]
     kept: list[Array] = []

@@ -94,9 +94,8 @@ def zoomed(frame: RgbdFrame, points: Sequence[Array]) -> RgbdFrame:
     Points (m, world) that it does not show do not count.
     """
     height, width = frame.depth.shape
-    seen = [
-        at for at in (pixel_of(frame, point) for point in points) if at and 0 <= at[0] < width and 0 <= at[1] < height
-    ]
+    pixels = (pixel_of(frame, point) for point in points)
+    seen = [at for at in pixels if at and 0 <= at[0] < width and 0 <= at[1] < height]
     if not seen:
         return frame
     low, high = np.min(seen, axis=0), np.max(seen, axis=0)
@@ -111,9 +110,8 @@ def zoomed(frame: RgbdFrame, points: Sequence[Array]) -> RgbdFrame:
     factors = width / columns, height / rows
 
     def cut(image: NDArray[Any], how: int) -> NDArray[Any]:
-        return np.asarray(
-            cv2.resize(image[top : top + rows, left : left + columns], (width, height), interpolation=how)
-        )
+        part = image[top : top + rows, left : left + columns]
+        return np.asarray(cv2.resize(part, (width, height), interpolation=how))
 
     fx, fy, cx, cy = frame.lens
     lens = np.array([fx * factors[0], fy * factors[1], (cx - left) * factors[0], (cy - top) * factors[1]])
@@ -190,11 +188,8 @@ def _draw_name(image: NDArray[np.uint8], text: str, pixel: tuple[int, int], box:
             cv2.line(image, pixel, nearest, ink, thickness, cv2.LINE_AA)
         if dot:
             cv2.circle(image, pixel, thickness, ink, -1, cv2.LINE_AA)
-    _write(image, text, (box[0] + 1, box[3] - _below(text)), WHITE)
-
-
-def _below(text: str) -> int:
-    return int(cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, FONT, 3)[1])
+    _, below = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, FONT, 3)
+    _write(image, text, (box[0] + 1, box[3] - below), WHITE)
 
 
 def _write(image: NDArray[np.uint8], text: str, at: tuple[int, int], colour: tuple[int, int, int]) -> None:

@@ -43,12 +43,8 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
     kind = model.geom_type[geoms].astype(np.int64)
     for i, k in zip(geoms, kind, strict=True):
         if k not in (PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH):
-            raise InputError(
-                "scene",
-                model.geom(i).name or f"geom {i}",
-                f"geom type {k}",
-                "a plane, primitive or mesh (the ray caster draws no height fields)",
-            )
+            expected = "a plane, primitive or mesh (the ray caster draws no height fields)"
+            raise InputError("scene", model.geom(i).name or f"geom {i}", f"geom type {k}", expected)
     size = model.geom_size[geoms].astype(float)
     first, count = np.zeros(len(geoms), np.int64), np.zeros(len(geoms), np.int64)
     corners: list[Array] = []
@@ -65,13 +61,5 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
                 total += number
             first[row], count[row] = begin[mesh], number
             size[row] = np.abs(model.geom_aabb[i, :3]) + model.geom_aabb[i, 3:]
-    n = len(geoms)
-    return Solids(
-        kind,
-        np.zeros((n, 3)),
-        np.zeros((n, 3, 3)),
-        size,
-        first,
-        count,
-        np.concatenate(corners) if corners else np.zeros((0, 3, 3)),
-    )
+    n, triangles = len(geoms), np.concatenate(corners) if corners else np.zeros((0, 3, 3))
+    return Solids(kind, np.zeros((n, 3)), np.zeros((n, 3, 3)), size, first, count, triangles)

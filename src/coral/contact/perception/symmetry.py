@@ -45,8 +45,7 @@ class Symmetry:
         if self.sphere:
             best = pose[:3, :3].T @ reference[:3, :3]
         else:
-            angles = []
-            turns = []
+            angles, turns = [], []
             for turn in self.rotations:
                 if self.axis is not None:
                     turn = turn @ rotation_about(self.axis, self._spin_angle(pose[:3, :3] @ turn, reference[:3, :3]))

@@ -68,9 +68,8 @@ class MotionFilter:
         step = time_s - self._time_s
         ahead = self.predict(time_s)
         shift, turn = T[:3, 3] - ahead[:3, 3], rotation_vector(T[:3, :3] @ ahead[:3, :3].T)
-        self._T = pose_matrix(
-            rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift
-        )
+        turned = rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3]
+        self._T = pose_matrix(turned, ahead[:3, 3] + cfg.position_gain * shift)
         if step > 1e-6:  # a picture from before the motion contains no speed
             self.velocity = self.velocity + cfg.velocity_gain * shift / step
             self.spin = self.spin + cfg.velocity_gain * turn / step
@@ -79,9 +78,8 @@ class MotionFilter:
     def predict(self, time_s: float) -> Array:
         """Predict the pose at a time, at the present velocity. Shape=(4, 4)."""
         since = min(max(time_s - self._time_s, 0.0), self._cfg.longest_s)
-        return pose_matrix(
-            rotation_from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity
-        )
+        turned = rotation_from_vector(since * self.spin) @ self._T[:3, :3]
+        return pose_matrix(turned, self._T[:3, 3] + since * self.velocity)
 
     def stop(self) -> None:
         """Set the velocity to zero."""
@@ -90,9 +88,8 @@ class MotionFilter:
     def _mean(self) -> Array:
         last = self._recent[-1]
         turn = np.mean([rotation_vector(each[:3, :3] @ last[:3, :3].T) for each in self._recent], axis=0)
-        return pose_matrix(
-            rotation_from_vector(turn) @ last[:3, :3], np.mean([each[:3, 3] for each in self._recent], axis=0)
-        )
+        place = np.mean([each[:3, 3] for each in self._recent], axis=0)
+        return pose_matrix(rotation_from_vector(turn) @ last[:3, :3], place)
 
 
 _IN_HAND = MotionFilterCfg(position_gain=0.3, velocity_gain=0.0)

@@ -36,13 +36,7 @@ class TrackedWorld:
 
     poses = "tracked"
 
-    def __init__(
-        self,
-        world: EvaluationWorld,
-        trial: Trial,
-        cfg: TrackedCfg,
-        rng: np.random.Generator,
-    ) -> None:
+    def __init__(self, world: EvaluationWorld, trial: Trial, cfg: TrackedCfg, rng: np.random.Generator) -> None:
         self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
         if world.simulation is None:
@@ -118,33 +112,19 @@ class TrackedWorld:
         for name, one in self._objects.items():
             if name in self._unseen:
                 continue
-            held = is_grasped(
-                self._shapes[name],
-                inverse_transform(tool) @ one.at(tool, now.time_s),
-                now.opening_m,
-                target.opening_m,
-                one.held,
-            )
+            inside = inverse_transform(tool) @ one.at(tool, now.time_s)
+            held = is_grasped(self._shapes[name], inside, now.opening_m, target.opening_m, one.held)
             one.hold(held, tool, now.time_s)
         if now.time_s >= self._due_s - 1e-9:
             self._due_s += self.cfg.period_s
             frame = self._take(now)
             if frame is not None:
+                estimates = {}
                 with _as_world_error():
-                    self._late.append(
-                        (
-                            now.time_s,
-                            tool,
-                            {
-                                name: one.tracker.track(
-                                    frame,
-                                    frame.mask(name),
-                                    None if name in self._unseen else one.at(tool, now.time_s),
-                                )
-                                for name, one in self._objects.items()
-                            },
-                        )
-                    )
+                    for name, one in self._objects.items():
+                        guess = None if name in self._unseen else one.at(tool, now.time_s)
+                        estimates[name] = one.tracker.track(frame, frame.mask(name), guess)
+                self._late.append((now.time_s, tool, estimates))
                 if self.cfg.latency_s == 0.0:
                     self._deliver(now.time_s)
         return self._with_estimates(now)
@@ -291,6 +271,5 @@ def nominal_pose(trial: Trial, name: str) -> Array:
     """Return T_world_object in the middle of the task file's ranges; of equal poses the nearest one is reported."""
     item = trial.task.object(name)
     turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
-    return pose_matrix(
-        turn @ rotation_of(from_rpy_deg(item.rpy_deg)), np.array([np.mean(item.x), np.mean(item.y), 0.0])
-    )
+    middle = np.array([np.mean(item.x), np.mean(item.y), 0.0])
+    return pose_matrix(turn @ rotation_of(from_rpy_deg(item.rpy_deg)), middle)

@@ -63,15 +63,12 @@ def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction)
             continue
         rise, before = sorted(walls, key=lambda wall: wall[0])[len(walls) // 2]
         _, distance = nearest_object(values, before)
-        faults.append(
-            CostFault(
-                "barrier",
-                0,
-                f"the cost leads the hand towards the {name} and jumps up by {rise:.3g} when it is "
-                f"{max(distance, 0.0):.2f} m away, and nothing nearer is cheaper, so the hand stays outside; subtract "
-                "a bonus for what you want there instead",
-            )
+        reason = (
+            f"the cost leads the hand towards the {name} and jumps up by {rise:.3g} when it is "
+            f"{max(distance, 0.0):.2f} m away, and nothing nearer is cheaper, so the hand stays outside; subtract "
+            "a bonus for what you want there instead"
         )
+        faults.append(CostFault("barrier", 0, reason))
     return faults
 
 
@@ -152,18 +149,14 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction) -> list[Co
         }
         shape = (len(free), 1)
         touching = {**apart, **{name: np.ones(shape) for name in flags}}
-        rise = (total_cost(cost(Context(touching, shape)), shape) - total_cost(cost(Context(apart, shape)), shape))[
-            :, 0
-        ]
+        after, before = (total_cost(cost(Context(one, shape)), shape)[:, 0] for one in (touching, apart))
+        rise = after - before
         if np.median(rise) <= 0.5 * attraction.span or np.ptp(rise) <= 1e-9:
             continue
-        faults.append(
-            CostFault(
-                "barrier",
-                0,
-                f"the cost leads the hand to the {thing} and rises by {np.median(rise):.3g} when "
-                "it touches it, more than the way there gains, so the hand stays away; let what begins there count "
-                "before the touch too, or subtract a larger bonus for it",
-            )
+        reason = (
+            f"the cost leads the hand to the {thing} and rises by {np.median(rise):.3g} when "
+            "it touches it, more than the way there gains, so the hand stays away; let what begins there count "
+            "before the touch too, or subtract a larger bonus for it"
         )
+        faults.append(CostFault("barrier", 0, reason))
     return faults

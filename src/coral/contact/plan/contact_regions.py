@@ -152,12 +152,7 @@ def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Ap
     return np.asarray(surface + out * (PAD_M if approach == "push" else TIP_M))
 
 
-def guide(
-    name: str,
-    region: Region,
-    size: Array,
-    local: Array | None = None,
-) -> Guide:
+def guide(name: str, region: Region, size: Array, local: Array | None = None) -> Guide:
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
 
     `size`, Shape=(3,), is the full extents of the object (m), `local`, Shape=(n, 3) m, the touchable candidates in its
@@ -179,7 +174,8 @@ def guide(
         if approach == "push":
             away = np.concatenate([away, away + np.array([0.0, 0.0, STANDOFF_M])])
         positions = np.concatenate([at, away])
-        on_table = (np.abs(positions[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
+        low, high = state.table_min[0, 0, :2], state.table_max[0, 0, :2]
+        on_table = (np.abs(positions[:, :2] - (low + high) / 2) <= (high - low) / 2).all(axis=1)
         positions[:, 2] = np.where(on_table, np.maximum(positions[:, 2], LOWEST_M), positions[:, 2])
         return positions
 
@@ -207,11 +203,3 @@ def tool_quaternion(palm: Array, opening: Array, tool: Array) -> Array:
     y = y / max(float(np.linalg.norm(y)), 1e-9)
     quaternions = [quaternion_of(np.stack([np.cross(sign * y, z), sign * y, z], axis=1)) for sign in (1.0, -1.0)]
     return np.asarray(max(quaternions, key=lambda q: abs(float(np.dot(q, tool)))))
-
-
-def _table_middle(state: Context) -> Array:
-    return np.asarray((state.table_min[0, 0, :2] + state.table_max[0, 0, :2]) / 2)
-
-
-def _table_half(state: Context) -> Array:
-    return np.asarray((state.table_max[0, 0, :2] - state.table_min[0, 0, :2]) / 2)

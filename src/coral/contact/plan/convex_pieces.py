@@ -81,11 +81,8 @@ def box(size: Array, position: Array | None = None, rotation: Array | None = Non
     """Make a box with these edge lengths (m)."""
     half = np.asarray(size, dtype=float) / 2
     planes = np.concatenate([np.column_stack([sign * np.eye(3), half]) for sign in (1.0, -1.0)])
-    return Solid(
-        planes,
-        position=np.zeros(3) if position is None else np.asarray(position, dtype=float),
-        rotation=np.eye(3) if rotation is None else rotation,
-    )
+    at = np.zeros(3) if position is None else np.asarray(position, dtype=float)
+    return Solid(planes, position=at, rotation=np.eye(3) if rotation is None else rotation)
 
 
 def pieces(trial: Trial, name: str) -> tuple[Solid, ...]:

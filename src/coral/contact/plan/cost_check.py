@@ -91,22 +91,11 @@ def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
         values = np.asarray(term)
         fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
         if not fits or not np.issubdtype(values.dtype, np.number):
-            return [
-                CostFault(
-                    "shape",
-                    0,
-                    f"the term {name!r} has shape {values.shape} in a batch of {sample.shape}; it "
-                    "must be one number per state",
-                )
-            ]
+            found = f"has shape {values.shape} in a batch of {sample.shape}; it must be one number per state"
+            return [CostFault("shape", 0, f"the term {name!r} {found}")]
         if not np.isfinite(values).all():
-            return [
-                CostFault(
-                    "not_finite",
-                    0,
-                    f"the term {name!r} is nan or infinite in some state: guard its division, root or logarithm",
-                )
-            ]
+            found = "is nan or infinite in some state: guard its division, root or logarithm"
+            return [CostFault("not_finite", 0, f"the term {name!r} {found}")]
     return []
 
 
@@ -115,14 +104,11 @@ def _constant_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
         rollouts = total_cost(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
             return []
-    return [
-        CostFault(
-            "constant",
-            0,
-            "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
-            "it depend on where the hand and the objects are",
-        )
-    ]
+    reason = (
+        "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
+        "it depend on where the hand and the objects are"
+    )
+    return [CostFault("constant", 0, reason)]
 
 
 def _idle_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:

@@ -272,9 +272,9 @@ def _test(program: Cost, schema: Schema) -> Test:
     objects = objects_read(program, schema)
 
     def holds(now: Context) -> bool:
-        return not unseen_of(now, objects) and bool(
-            sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5
-        )
+        if unseen_of(now, objects):
+            return False
+        return sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5
 
     return holds
 

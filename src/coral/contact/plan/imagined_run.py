@@ -37,7 +37,6 @@ class ImaginedMoment:
     now: Observation
     """The state for which the plan was made."""
     stage: str
-    """The planned stage."""
     next_stage: str
     """The active stage after the conditions were tested: the same one, the next one, or one that it falls back to."""
     plan: HandPlan

@@ -51,11 +51,8 @@ class NumpyCost:
         if term.ndim == 0:
             return term.reshape(1, 1)
         if term.ndim != 2 or any(n not in (1, m) for n, m in zip(term.shape, shape, strict=True)):
-            raise CostError(
-                "shape",
-                f"{self.name}: the term {name!r} has shape {term.shape} for a batch of {shape}; "
-                "it must be one number per state",
-            )
+            found = f"has shape {term.shape} for a batch of {shape}; it must be one number per state"
+            raise CostError("shape", f"{self.name}: the term {name!r} {found}")
         return term
 
     def _raised(self, error: Exception) -> CostError:
@@ -66,9 +63,6 @@ class NumpyCost:
             file = None
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
         line, shown = (frames[-1].lineno or 0, frames[-1].line or "") if frames else (0, "")
-        what = (
-            f"the state has no quantity {str(error)!r}"
-            if isinstance(error, AttributeError | KeyError)
-            else (f"{type(error).__name__}: {error}")
-        )
+        missing = isinstance(error, AttributeError | KeyError)
+        what = f"the state has no quantity {str(error)!r}" if missing else f"{type(error).__name__}: {error}"
         return CostError("raised", f"{self.name}: {what}", line, shown)

@@ -11,14 +11,7 @@ from coral.contact.cost.context import Context, Schema
 from coral.contact.cost_program import CostError
 from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
-from coral.contact.plan.cost_plan import (
-    Compiled,
-    Loader,
-    PlanAnswer,
-    StageAnswer,
-    compile_stage,
-    in_process,
-)
+from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, StageAnswer, compile_stage, in_process
 
 STIFFNESS_N_M = (50.0, 3000.0)
 NOISE = (0.05, 3.0)
@@ -58,10 +51,8 @@ def judge_plan(
     first = answer.begin or answer.names[0]
     for made in compiled:
         name = made.answer.name
-        faults = [
-            replace(fault, stage=name)
-            for fault in (*verify_cost(made.cost, samples), *_condition_faults(made, samples))
-        ]
+        every = (*verify_cost(made.cost, samples), *_condition_faults(made, samples))
+        faults = [replace(fault, stage=name) for fault in every]
         if name == first:
             found += faults
             continue
@@ -144,15 +135,9 @@ def _verdict(answer: PlanAnswer, found: Sequence[CostFault]) -> PlanVerdict:
     reason = reasons[0] if len(reasons) == 1 else " ".join(f"({k}) {text}" for k, text in enumerate(reasons, 1))
     if advice:
         reason += f" Also worth knowing, though no reason to refuse: {'; '.join(advice)}."
-    return PlanVerdict(
-        Rejection(
-            code=fatal[0].code,
-            reason=reason,
-            details={"stage": fatal[0].stage, "faults": [one.code for one in fatal]},
-            listing=list_program(answer, fatal),
-        ),
-        advice,
-    )
+    details = {"stage": fatal[0].stage, "faults": [one.code for one in fatal]}
+    listing = list_program(answer, fatal)
+    return PlanVerdict(Rejection(code=fatal[0].code, reason=reason, details=details, listing=listing), advice)
 
 
 def list_program(answer: PlanAnswer, faults: Sequence[CostFault]) -> str:

@@ -36,8 +36,7 @@ def write_out(given: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(stages, list) or not (let or any(_repeats(one) for one in stages)):
         return plan
     names: dict[str, str] = {}
-    for name, text in let.items():
-        # What a loop gives is not known yet: it is replaced where the text is used.
+    for name, text in let.items():  # what a loop gives is not known yet: it is replaced where the text is used
         names[name] = f"({_replaced(text, names)})"
     written = [_filled(stage, names) for stage in _each(stages, {})]
     for stage in written:
@@ -65,11 +64,7 @@ def _each(stages: Sequence[Any], given: Mapping[str, str]) -> Iterator[dict[str,
     for stage in stages:
         if not isinstance(stage, Mapping):
             raise ValueError("each of `stages` is an object")
-        if not _repeats(stage):
-            inner: Iterator[dict[str, Any]] = iter([{**stage, GIVEN: given}])
-        else:
-            inner = _unrolled(stage, given)
-        for one in inner:
+        for one in _unrolled(stage, given) if _repeats(stage) else [{**stage, GIVEN: given}]:
             count += 1
             if count > MOST_STAGES:
                 raise ValueError(f"more than {MOST_STAGES} stages, written out")

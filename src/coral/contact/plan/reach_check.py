@@ -35,16 +35,12 @@ def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -
         if 2 * len(depths) <= len(attraction.ends):
             continue
         line = _line_of_target(cost, values, attraction, np.array([name == body for name, _ in inside]))
-        notes.append(
-            CostFault(
-                "unreachable",
-                line,
-                f"{quoted(cost, line)}the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
-                f"which it cannot enter: it will press against the surface and stop there; aim at the surface, and "
-                f"let no condition wait for the hand to come nearer than {np.median(depths) + REACH_M:.2f} m",
-                fatal=False,
-            )
+        reason = (
+            f"{quoted(cost, line)}the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
+            f"which it cannot enter: it will press against the surface and stop there; aim at the surface, and "
+            f"let no condition wait for the hand to come nearer than {np.median(depths) + REACH_M:.2f} m"
         )
+        notes.append(CostFault("unreachable", line, reason, fatal=False))
     return notes
 
 

@@ -31,18 +31,13 @@ from coral.contact.scene.observation import Array
 
 
 def verify_regions(
-    answer: RegionsAnswer,
-    facts: SceneFacts,
-    stages: Sequence[str],
-    scenery: Scenery,
-    reach: ReachBox = REACH,
+    answer: RegionsAnswer, facts: SceneFacts, stages: Sequence[str], scenery: Scenery, reach: ReachBox = REACH
 ) -> Rejection | None:
     """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched."""
     for name, held in answer.root.items():
         if name not in facts["objects"]:
-            return _reject(
-                name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}"
-            )
+            reason = f"{name} is no object of the scene; there are {', '.join(facts['objects'])}"
+            return _reject(name, "objects", reason)
         if len(held.regions) > MOST:
             return _reject(name, "too-many", f"{len(held.regions)} regions on {name}; name the {MOST} that matter most")
         for index, region in enumerate(held.regions):
@@ -65,11 +60,7 @@ def _reject(name: str, code: str, reason: str, index: int | None = None) -> Reje
 
 
 def _defect(
-    region: Region,
-    item: ObjectFacts,
-    solids: Sequence[Solid],
-    facts: SceneFacts,
-    stages: Sequence[str],
+    region: Region, item: ObjectFacts, solids: Sequence[Solid], facts: SceneFacts, stages: Sequence[str]
 ) -> tuple[str, str] | None:
     """Return what is wrong with a region before its candidates are examined."""
     center, normal = np.asarray(region.center), np.asarray(region.normal)

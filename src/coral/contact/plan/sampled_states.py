@@ -27,7 +27,9 @@ def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Ar
     Half of them approach the objects: each from above, pressed down on, and down beside each side and against it. The
     others are random, but the same ones at every call (common random numbers): one program gets one verdict.
     """
-    paths = _sample_paths(now, sizes, np.random.default_rng(COMMON_SEED))
+    rng = np.random.default_rng(COMMON_SEED)
+    paths = [path for name, body in now.objects.items() for path in _approach_paths(body, np.asarray(sizes[name]), now)]
+    paths += [_random_path(now, rng) for _ in range(RANDOM)]
     share = np.linspace(0, 1, HORIZON)
     position = np.stack([_interpolate_path(now.tool.position, path[0], share) for path in paths])
     quaternion = np.stack([_interpolate_rotation(now.tool.quaternion, path[1], share) for path in paths])
@@ -37,12 +39,6 @@ def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Ar
 
 
 ToolPath = tuple[list[Array], Array, float]
-
-
-def _sample_paths(now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator) -> list[ToolPath]:
-    """Sample paths that approach the objects, then random ones."""
-    paths = [path for name, body in now.objects.items() for path in _approach_paths(body, np.asarray(sizes[name]), now)]
-    return paths + [_random_path(now, rng) for _ in range(RANDOM)]
 
 
 def _approach_paths(body: BodyState, size: Array, now: Observation) -> list[ToolPath]:

@@ -94,11 +94,7 @@ def off_surface(center: Array, solids: Sequence[Solid]) -> float:
 
 
 def candidates_of(
-    answer: RegionsAnswer,
-    facts: SceneFacts,
-    stages: Sequence[str],
-    scenery: Scenery,
-    reach: ReachBox = REACH,
+    answer: RegionsAnswer, facts: SceneFacts, stages: Sequence[str], scenery: Scenery, reach: ReachBox = REACH
 ) -> list[Candidates]:
     """Find the touchable candidates of every region, in the regions' order.
 
@@ -118,12 +114,7 @@ def candidates_of(
 
 
 def touchable(
-    name: str,
-    region: Region,
-    facts: SceneFacts,
-    scenery: Scenery,
-    reach: ReachBox,
-    standing: Sequence[str] | None,
+    name: str, region: Region, facts: SceneFacts, scenery: Scenery, reach: ReachBox, standing: Sequence[str] | None
 ) -> Candidates:
     """Find the touchable candidates of one region.
 
@@ -157,13 +148,8 @@ def _hindrances(
     surface, out = pose[:3] + rotate(pose[3:], points), rotate(pose[3:], normal)
     approach = region.approach or natural_approach(out)
     tool = tool_at(surface, normal, np.asarray(facts["objects"][name]["size_m"]), out, approach)
-    over_table = np.all(
-        [
-            (tool[:, k] >= low) & (tool[:, k] <= high)
-            for k, (low, high) in enumerate((facts["table"]["x"], facts["table"]["y"]))
-        ],
-        axis=0,
-    )
+    ends = np.array([facts["table"]["x"], facts["table"]["y"]])
+    over_table = ((tool[:, :2] >= ends[:, 0]) & (tool[:, :2] <= ends[:, 1])).all(axis=1)
     reasons = np.full(len(points), "", dtype=object)
     reasons[over_table & (surface[:, 2] < -TIP_M)] = TABLE
     tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
@@ -186,15 +172,11 @@ def _other_solids(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) 
     for name in standing:
         pose = np.asarray(facts["objects"][name]["pose"], dtype=float)
         turn = rotation_of(pose[3:])
-        things.append(
-            (
-                name,
-                [
-                    Solid(one.planes, one.radius, one.round_axes, pose[:3] + turn @ one.position, turn @ one.rotation)
-                    for one in scenery.objects[name]
-                ],
-            )
-        )
+        solids = [
+            Solid(one.planes, one.radius, one.round_axes, pose[:3] + turn @ one.position, turn @ one.rotation)
+            for one in scenery.objects[name]
+        ]
+        things.append((name, solids))
     for name, item in facts["fixtures"].items():
         turn = rotation_of(from_rotvec([0, 0, np.radians(item["yaw_deg"])]))
         things.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))

@@ -31,9 +31,8 @@ OBSERVATION = {
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:
     """Compute the robot's state, Shape=(8,)."""
-    return np.concatenate(
-        [now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), [now.opening_m / 2, -now.opening_m / 2]]
-    )
+    fingers = [now.opening_m / 2, -now.opening_m / 2]
+    return np.concatenate([now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), fingers])
 
 
 def axis_angle(quaternion: Array) -> Array:
@@ -60,9 +59,8 @@ def actions_of(answer: Mapping[Any, Any]) -> Array:
         what = f"an array of {found.dtype}" if isinstance(found, np.ndarray) else f"a {type(found).__name__}"
         raise PolicyError("bad-actions", f"the actions are {what}, expected an array of numbers")
     if found.ndim != 2 or found.shape[1] != 7 or not 1 <= len(found) <= MOST_ACTIONS:
-        raise PolicyError(
-            "bad-actions", f"actions of shape {found.shape}, expected (n, 7) with n from 1 to {MOST_ACTIONS}"
-        )
+        expected = f"expected (n, 7) with n from 1 to {MOST_ACTIONS}"
+        raise PolicyError("bad-actions", f"actions of shape {found.shape}, {expected}")
     actions = found.astype(np.float64)
     if not np.isfinite(actions).all():
         raise PolicyError("not-finite", "the actions hold something that is no number")

@@ -56,12 +56,8 @@ def decode(data: bytes) -> Any:
 def _pack(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         raise TypeError(f"a {type(value).__name__} cannot be sent")
-    return {
-        b"__ndarray__": True,
-        b"data": value.tobytes(),
-        b"dtype": _plain(value.dtype.str).str,
-        b"shape": value.shape,
-    }
+    dtype = _plain(value.dtype.str).str
+    return {b"__ndarray__": True, b"data": value.tobytes(), b"dtype": dtype, b"shape": value.shape}
 
 
 def _unpack(value: Any) -> Any:

@@ -37,7 +37,7 @@ def unmatched_words(task: Task) -> list[str]:
         for thing in dict.fromkeys(THINGS.findall(words))
         if thing not in names and f"{thing} of the table" not in words and f"table's left {thing}" not in words
     ]
-    numbers = [*list(_numbers(task.success.model_dump(mode="json"))), task.time_limit_s, *task.numbers.values()]
+    numbers = [*_numbers(task.success.model_dump(mode="json")), task.time_limit_s, *task.numbers.values()]
     for amount, unit in AMOUNT.findall(task.instruction):
         value = float(amount) * UNITS[unit.lower()]
         if not any(abs(abs(one) - value) <= 0.02 * value for one in numbers):

@@ -28,13 +28,11 @@ class Judge:
         # An object's own origin may lie anywhere, for example at its foot.
         self._hulls = {name: trial.corners(name) for name in trial.objects}
         self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in self._hulls.items()}
-        self._solid = {
-            item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), trial.objects[item.name].scale).mean(
-                axis=0
-            )
-            for item in trial.task.objects
-        }
+        self._solid: dict[str, Array] = {}
         """A point inside each object."""
+        for item in trial.task.objects:
+            first = item.model_copy(update={"parts": item.parts[:1]})
+            self._solid[item.name] = corners(first, trial.objects[item.name].scale).mean(axis=0)
         self._before: dict[str, Array] = {}
         self._since: float | None = None
         self.holding: tuple[bool, ...] = ()

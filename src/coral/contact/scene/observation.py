@@ -111,6 +111,5 @@ class Transition:
     before: Observation
     """Observation when the command was given."""
     command: HandTarget
-    """The command."""
     after: Observation
     """Observation at the end of the step."""

@@ -82,9 +82,8 @@ class Inserted(BaseCondition):
 
     def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if (self.place is None) == (self.other is None):
-            raise InputError(
-                where, field, "place and other" if self.place else "neither", "a place, or an other object"
-            )
+            found = "place and other" if self.place else "neither"
+            raise InputError(where, field, found, "a place, or an other object")
         if self.other is not None and self.other_point is None:
             raise InputError(where, f"{field}.other_point", "nothing", "a point on the other object: the mouth")
         if self.other is None and self.other_point is not None:
@@ -119,9 +118,8 @@ class Opened(BaseCondition):
             raise InputError(where, f"{field}.object", self.object, "an object with a joint")
         wanted, other = ("between_deg", "between_m") if joint.kind == "hinge" else ("between_m", "between_deg")
         if getattr(self, other) is not None or getattr(self, wanted) is None:
-            raise InputError(
-                where, f"{field}.{other}", f"a {joint.kind}", f"{wanted}, as {self.object} is on a {joint.kind}"
-            )
+            expected = f"{wanted}, as {self.object} is on a {joint.kind}"
+            raise InputError(where, f"{field}.{other}", f"a {joint.kind}", expected)
 
     def _holds(self, trial: TrialLike, truth: Truth) -> bool:
         low, high = np.radians(self.between_deg) if self.between_deg is not None else self.between_m or (0.0, 0.0)

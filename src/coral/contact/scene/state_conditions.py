@@ -53,11 +53,8 @@ class Lifted(BaseCondition):
             self.object in (pair.first, pair.second) and not robot & {pair.first, pair.second}
             for pair in truth.contacts
         )
-        highest = np.inf if self.most_m is None else self.most_m
-        return (
-            self.height_m <= trial.lowest_point(self.object, truth.objects[self.object]) <= highest
-            and not held_elsewhere
-        )
+        lowest, highest = trial.lowest_point(self.object, truth.objects[self.object]), self.most_m or np.inf
+        return self.height_m <= lowest <= highest and not held_elsewhere
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
@@ -159,9 +156,8 @@ class Resting(BaseCondition):
 
     def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if task.object(self.object).joint is not None and self.thing in task.things:
-            raise InputError(
-                where, f"{field}.thing", self.thing, "an object: one on a joint passes through fixed things"
-            )
+            expected = "an object: one on a joint passes through fixed things"
+            raise InputError(where, f"{field}.thing", self.thing, expected)
 
     def _holds(self, trial: TrialLike, truth: Truth) -> bool:
         return touches(truth, self.object, self.thing) and _is_slow(truth.objects[self.object], 0.02, 0.3)

@@ -13,14 +13,7 @@ from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks,
 from coral.contact.scene.task_validation import check_task
 from coral.file_writer import write_whole
 
-__all__ = [
-    "TASKS_DIR",
-    "every_task",
-    "load_task_file",
-    "shipped_tasks",
-    "suite_tasks",
-    "task_schema",
-]
+__all__ = ["TASKS_DIR", "every_task", "load_task_file", "shipped_tasks", "suite_tasks", "task_schema"]
 
 
 def load_task_file(name_or_path: str | Path) -> Task:

@@ -20,10 +20,8 @@ if TYPE_CHECKING:
     from coral.contact.scene.task import Task
 
 RESERVED = {
-    **dict.fromkeys(
-        ("hand", "left", "right", "robot", "palm", "wrist", "tool", "ee", "gripper"), "a part of the robot"
-    ),
-    **dict.fromkeys(("left_finger", "right_finger"), "a part of the robot"),
+    **dict.fromkeys(("hand", "left", "right", "robot", "palm", "wrist"), "a part of the robot"),
+    **dict.fromkeys(("tool", "ee", "gripper", "left_finger", "right_finger"), "a part of the robot"),
     "table": "the table",
     **dict.fromkeys(("world", "target"), "a body of the simulation"),
     "self": "the state in a cost program",
@@ -50,12 +48,8 @@ def check_task(task: Task, where: str) -> None:
     for index, mark in enumerate(task.marks):
         check_known(mark.place, task.places, where, f"marks[{index}].place")
     if task.success.hold_s > task.time_limit_s:
-        raise InputError(
-            where,
-            "success.hold_s",
-            f"{task.success.hold_s:g} s",
-            f"no more than the time limit, {task.time_limit_s:g} s",
-        )
+        expected = f"no more than the time limit, {task.time_limit_s:g} s"
+        raise InputError(where, "success.hold_s", f"{task.success.hold_s:g} s", expected)
     for index, condition in enumerate(task.success.conditions):
         condition.check(task, where, f"success.conditions[{index}]")
     _check_goal_heights(task, where)
@@ -95,18 +89,13 @@ def _check_names(task: Task, where: str) -> None:
         found += [(key, f"fixtures[{index}].name") for key in own]
     for index, item in enumerate(task.objects):
         held = item.joint.kind if item.joint else ""
-        keys = object_quantities(
-            item.name, item.points, task.things, [name for name in others if name != item.name], held
-        )
+        beside = [name for name in others if name != item.name]
+        keys = object_quantities(item.name, item.points, task.things, beside, held)
         found += [(key, f"objects[{index}].name") for key in keys]
-        touched = len(task.things) + len(others) - 1  # each has a contact and a clearance
+        touched = len(task.things) + len(beside)  # each has a contact and a clearance
         if len(keys) < len(object_quantities(item.name, joint=held)) + len(item.points) + 2 * touched:
-            raise InputError(
-                where,
-                f"objects[{index}].points",
-                ", ".join(item.points),
-                "points named unlike init and what an object has by itself",
-            )
+            expected = "points named unlike init and what an object has by itself"
+            raise InputError(where, f"objects[{index}].points", ", ".join(item.points), expected)
     found += [(f"{name}_pos", f"places.{name}") for name in task.places]
     found += [(name, f"numbers.{name}") for name in task.numbers]
     count = Counter(key for key, _ in found)
@@ -147,10 +136,6 @@ def _check_meshes(item: Movable, where: str, field: str) -> None:
             raise InputError(where, place, f"{Path(part.file).name} ({error.found})", error.expected) from None
         extents = vertices.max(axis=0) - vertices.min(axis=0)
         if not (extents >= SMALLEST_M).all() or not (extents <= LARGEST_M).all():
-            found = " x ".join(f"{extent:.3g}" for extent in extents)
-            raise InputError(
-                where,
-                f"{field}.parts[{index}].size",
-                f"factors that make the mesh {found} m large",
-                f"edges from {SMALLEST_M} to {LARGEST_M} m",
-            )
+            found = f"factors that make the mesh {' x '.join(f'{extent:.3g}' for extent in extents)} m large"
+            expected = f"edges from {SMALLEST_M} to {LARGEST_M} m"
+            raise InputError(where, f"{field}.parts[{index}].size", found, expected)

@@ -19,6 +19,7 @@ SUNK_M = 0.005
 """Tolerance of heights in files, for rounding."""
 PRESSED_M = 1e-3
 """Touching things may begin this deep in each other."""
+GAP_M = 0.01
 
 
 @dataclass(frozen=True)
@@ -129,18 +130,13 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
         objects: dict[str, TrialObject] = {}
         for item in _from_below(task):
             objects[item.name] = _sample_object(item, task, objects, rng)
-        objects = {item.name: objects[item.name] for item in task.objects}
-        trial = Trial(task, seed, objects)
+        trial = Trial(task, seed, {item.name: objects[item.name] for item in task.objects})
         _check_heights(trial, where)
         clash = _find_clash(trial)
         if clash is None:
             return trial
-    raise InputError(
-        where,
-        "objects",
-        f"{clash} in each other's place",
-        "ranges of x, y and yaw_deg with room for all beside each other, or stands_on for one on top of another",
-    )
+    expected = "ranges of x, y and yaw_deg with room for all beside each other, or stands_on for one on top of another"
+    raise InputError(where, "objects", f"{clash} in each other's place", expected)
 
 
 def _from_below(task: Task) -> list[Movable]:
@@ -158,19 +154,15 @@ def _sample_object(
     item: Movable, task: Task, placed: Mapping[str, TrialObject], rng: np.random.Generator
 ) -> TrialObject:
     scale = np.array([rng.uniform(*axis) for axis in item.scale])
-    physical = PhysicalParameters(
-        mass_kg=float(rng.uniform(*item.mass_kg)), friction=float(rng.uniform(*item.friction))
-    )
+    physical = PhysicalParameters(float(rng.uniform(*item.mass_kg)), float(rng.uniform(*item.friction)))
     x, y, yaw = rng.uniform(*item.x), rng.uniform(*item.y), np.radians(rng.uniform(*item.yaw_deg))
     quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
     floor = 0.0
     if item.stands_on is not None:
         below = placed[item.stands_on]
-        top = (
-            corners(task.object(item.stands_on), below.scale) @ rotation_of(below.pose.quaternion).T
-            + below.pose.position
-        )
-        x, y, floor = x + below.pose.position[0], y + below.pose.position[1], float(top[:, 2].max())
+        at, turn = below.pose.position, rotation_of(below.pose.quaternion)
+        top = corners(task.object(item.stands_on), below.scale) @ turn.T + at
+        x, y, floor = x + at[0], y + at[1], float(top[:, 2].max())
     z = item.z if item.z is not None else floor - (corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
     pose = BodyState(np.array([x, y, z]), quaternion)
     if item.joint is None:
@@ -183,18 +175,14 @@ def _check_heights(trial: Trial, where: str) -> None:
     for index, item in enumerate(trial.task.objects):
         lowest = trial.lowest_point(item.name, trial.objects[item.name].pose)
         if item.z is not None and item.joint is None and lowest < -SUNK_M:
-            raise InputError(
-                where,
-                f"objects[{index}].z",
-                f"{item.z:g}, which is {-lowest:.3g} m deep in the table",
-                "a height at which it lies on the table or above",
-            )
+            found = f"{item.z:g}, which is {-lowest:.3g} m deep in the table"
+            raise InputError(where, f"objects[{index}].z", found, "a height at which it lies on the table or above")
 
 
-def _find_clash(trial: Trial, gap_m: float = 0.01) -> str | None:
+def _find_clash(trial: Trial) -> str | None:
     """Name two objects that are too close, or an object inside a fixture; None if there are none.
 
-    Objects that the ranges scatter over the table are `gap_m` apart. One whose height the file gives, by `z` or
+    Objects that the ranges scatter over the table are `GAP_M` apart. One whose height the file gives, by `z` or
     `stands_on`, was placed on purpose: it may touch the others, as in a stack, or stand in a hollow of another.
     """
     placed = {
@@ -205,7 +193,7 @@ def _find_clash(trial: Trial, gap_m: float = 0.01) -> str | None:
     scattered = [item.name for item in trial.task.objects if item.z is None and item.stands_on is None]
     for k, name in enumerate(names):
         for other in names[k + 1 :]:
-            apart = gap_m if name in scattered and other in scattered else -PRESSED_M
+            apart = GAP_M if name in scattered and other in scattered else -PRESSED_M
             if not _separated(placed[name], placed[other], np.eye(3), apart) and (
                 apart > 0 or _parts_clash(trial, name, other)
             ):

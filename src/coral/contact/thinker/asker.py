@@ -97,18 +97,10 @@ class Asker:
         self._loop = self._loop or asyncio.new_event_loop()
         assert self.budget.deadline_s is not None
         self.clock.begin(kind, self.budget.deadline_s)
-        outcome = run_on(
-            self._loop,
-            consult(
-                self.advisor,
-                observe,
-                lambda _, answer: verify(answer),
-                self.budget,
-                self.clock,
-                count,
-                decision,
-            ),
+        asking = consult(
+            self.advisor, observe, lambda _, answer: verify(answer), self.budget, self.clock, count, decision
         )
+        outcome = run_on(self._loop, asking)
         if self.clock.fault is not None:
             raise self.clock.fault
         if outcome.failure == "withdrawn":

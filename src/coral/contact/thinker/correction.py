@@ -55,11 +55,7 @@ def correct_beliefs(
     Returns whether they were corrected.
     """
     # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
-    stretches = windows(
-        past.steps,
-        name,
-        usable=lambda start: trial.lowest_point(name, start.objects[name]) > -SUNK_M,
-    )
+    stretches = windows(past.steps, name, usable=lambda start: trial.lowest_point(name, start.objects[name]) > -SUNK_M)
     if len(stretches) < 2:
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
@@ -96,27 +92,16 @@ def correct_beliefs(
                 f"are: {kept}",
             )
 
-        fitted = {
-            "object": name,
-            "mass_kg": fit.after.mass_kg,
-            "friction": fit.after.friction,
-            "better": fit.accepted,
-        }
+        fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction, "better": fit.accepted}
         asked: SceneFacts = {**facts, "fitted": fitted}
-        replayed = compare_motions(replay, name, believed)
-        outcome = asker.ask(
-            "parameter-repair",
-            ParametersAnswer,
-            asked,
-            {
-                "task": facts["instruction"],
-                "parameters": told,
-                "object": name,
-                "replayed": replayed,
-                "history": past.recent,
-            },
-            wrong,
-        )
+        prompt = {
+            "task": facts["instruction"],
+            "parameters": told,
+            "object": name,
+            "replayed": compare_motions(replay, name, believed),
+            "history": past.recent,
+        }
+        outcome = asker.ask("parameter-repair", ParametersAnswer, asked, prompt, wrong)
     finally:
         finer.close()
     kept_values = outcome.answer is not None and outcome.answer.keeps(believed)

@@ -23,7 +23,6 @@ class PartEvidence:
     """What became of one comparison of the end."""
 
     part: EndPart
-    """The comparison."""
     held: float
     """Share of the last plans at which it held."""
     best: float
@@ -63,7 +62,6 @@ class EndEvidence:
     """What became of the end of the active stage."""
 
     stage: str
-    """The stage."""
     parts: tuple[PartEvidence, ...]
     """Its comparisons; () if they are unknown."""
 

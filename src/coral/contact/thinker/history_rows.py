@@ -64,19 +64,11 @@ def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
     return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
 
 
-def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 4) -> list[dict[str, Any]]:
-    """Show which terms held the cost up over time."""
-    if not notes:
-        return []
+def recent_terms(notes: Sequence[PlanNote]) -> list[dict[str, Any]]:
+    """Show which terms held the cost up at first and at last, the four largest of each."""
     rows = []
-    for index in np.unique(np.linspace(0, len(notes) - 1, most).astype(int)):
-        note = notes[int(index)]
-        terms = sorted(note.terms.items(), key=lambda item: -abs(item[1]))[:largest]
-        rows.append(
-            {
-                "time_s": round(note.time_s, 2),
-                "stage": note.stage,
-                "terms": {name: float(f"{value:.3g}") for name, value in terms},
-            }
-        )
+    for note in (*notes[:1], *notes[1:][-1:]):
+        terms = sorted(note.terms.items(), key=lambda item: -abs(item[1]))[:4]
+        shown = {name: float(f"{value:.3g}") for name, value in terms}
+        rows.append({"time_s": round(note.time_s, 2), "stage": note.stage, "terms": shown})
     return rows

@@ -22,9 +22,7 @@ class PlanNote:
     """What is known of one plan of the inner loop."""
 
     time_s: float
-    """Time of the plan."""
     stage: str
-    """The planned stage."""
     terms: Mapping[str, float]
     """Expected value of each term of its cost over the horizon."""
     touched: Mapping[str, tuple[str, ...]]

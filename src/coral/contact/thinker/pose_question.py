@@ -21,7 +21,7 @@ from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import StandIn, stand_in
-from coral.contact.thinker.scene_facts import pose, rounded
+from coral.contact.thinker.scene_facts import pose, rounded, table_facts
 
 BESIDE_M, BELOW_M = 0.3, 0.02
 """Margin beside the table and below its top within which a centre is accepted."""
@@ -85,7 +85,6 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
     Of each object: label and extents (m), the centre of its bounding box in its frame, and its points relative to that
     centre. The trial's poses are not read.
     """
-    table = trial.task.table
     objects: dict[str, Any] = {}
     for item in trial.task.objects:
         corners = trial.corners(item.name)
@@ -104,10 +103,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
         "task": trial.task.name,
         "instruction": trial.task.instruction,
         "objects": objects,
-        "table": {
-            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
-            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
-        },
+        "table": table_facts(trial),
         "hand": {"pose": pose(now.tool)},
         "camera": {
             "position": rounded(frame.T_world_camera[:3, 3]),

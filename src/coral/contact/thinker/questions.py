@@ -24,7 +24,7 @@ from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
-from coral.contact.thinker.fallback import stand_in
+from coral.contact.thinker.fallback import StandIn, stand_in
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
@@ -99,11 +99,7 @@ class Questions:
             self._stand_in("parameters", outcome.failure, "the prior beliefs")
         beliefs = {**(self.beliefs if outcome.answer is None else outcome.answer.physical()), **given}
         self._world.believe(beliefs)
-        self._emit(
-            "beliefs",
-            **self._outcome_fields("parameters", outcome),
-            **_round_beliefs(beliefs),
-        )
+        self._emit("beliefs", **self._outcome_fields("parameters", outcome), **_round_beliefs(beliefs))
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
         """Ask for a plan; None without an answer."""
@@ -152,14 +148,12 @@ class Questions:
             with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
             labels=PictureLabels.of(self._trial.task, self._seen),
         )
-        if outcome.answer is None:
-            self._without_regions(outcome.failure)
+        if outcome.answer is None:  # regions only guide samples: `fail` alone lets no failure pass
+            self.stood_in.add("regions")
+            policy: StandIn = "fail" if self._cfg.fallback == "fail" else "prior"
+            stand_in(self._emit, policy, "regions", outcome.failure, "no regions")
         found = outcome.answer or RegionsAnswer({})
-        self._emit(
-            "regions",
-            **self._outcome_fields("regions", outcome),
-            regions=found.model_dump(mode="json"),
-        )
+        self._emit("regions", **self._outcome_fields("regions", outcome), regions=found.model_dump(mode="json"))
         return found
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
@@ -249,11 +243,6 @@ class Questions:
     def present(self, before: Observation) -> Observation:
         """Return the latest observation: a new one if the episode continued while an advisor answered."""
         return getattr(self._asker.clock.thinking, "now", before)
-
-    def _without_regions(self, failure: str) -> None:
-        """Continue without regions, which only guide samples; `fail` alone lets no failure pass."""
-        self.stood_in.add("regions")
-        stand_in(self._emit, "fail" if self._cfg.fallback == "fail" else "prior", "regions", failure, "no regions")
 
     def _stand_in(self, what: str, failure: str, by: str) -> None:
         if what != "repair":  # the plan before is the advisor's own

@@ -100,7 +100,6 @@ class RecalledPlan:
     """A remembered plan, adapted to the scene."""
 
     match: Match
-    """Its experience."""
     plan: PlanAnswer
     regions: RegionsAnswer
     then: tuple[RememberedPlan, ...] = ()
@@ -118,14 +117,7 @@ class RecalledPlan:
 class Recall:
     """Chooses among remembered plans at the start of an episode."""
 
-    def __init__(
-        self,
-        questions: Questions,
-        trial: Trial,
-        world: PlanningWorld,
-        cfg: ThinkCfg,
-        load: Loader,
-    ) -> None:
+    def __init__(self, questions: Questions, trial: Trial, world: PlanningWorld, cfg: ThinkCfg, load: Loader) -> None:
         self._questions, self._trial, self._world = questions, trial, world
         self._cfg, self._load = cfg, load
 

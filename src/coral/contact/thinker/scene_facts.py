@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.scene.facts import ObjectFacts, SceneFacts, goals_of
+from coral.contact.scene.facts import ObjectFacts, SceneFacts, TableFacts, goals_of
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
 
@@ -21,8 +21,7 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
     task = trial.task
     objects: dict[str, ObjectFacts] = {}
     for item in task.objects:
-        name = item.name
-        factors = trial.objects[name].scale
+        name, factors = item.name, trial.objects[item.name].scale
         objects[name] = {
             "label": item.label or name,
             "size_m": rounded(trial.size(name)),
@@ -55,7 +54,6 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
         if beliefs is not None:
             objects[name]["mass_kg"] = round(beliefs[name].mass_kg, 5)
             objects[name]["friction"] = round(beliefs[name].friction, 4)
-    table = task.table
     return {
         "task": task.name,
         "instruction": task.instruction,
@@ -67,16 +65,19 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
         },
         "places": {name: list(at) for name, at in task.places.items()},
         "numbers": dict(task.numbers),
-        "table": {
-            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
-            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
-        },
+        "table": table_facts(trial),
         "hand": {
             "pose": pose(now.tool),
             "opening_m": max(0.0, round(now.opening_m, 3)),
             "widest_opening_m": MAX_OPENING_M,
         },
     }
+
+
+def table_facts(trial: Trial) -> TableFacts:
+    """Return from where to where the table's top reaches (m)."""
+    (x, y), (length, width, _) = trial.task.table.center, trial.task.table.size
+    return {"x": [x - length / 2, x + length / 2], "y": [y - width / 2, y + width / 2]}
 
 
 def pose(body: BodyState) -> list[float]:

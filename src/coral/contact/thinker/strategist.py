@@ -38,7 +38,6 @@ class PlanReport:
     now: Observation
     """The latest observation."""
     plan: HandPlan
-    """The plan."""
     stage: str
     """Name of the planned stage."""
     taken: tuple[Transition, ...] = ()

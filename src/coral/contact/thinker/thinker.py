@@ -233,15 +233,8 @@ class Thinker:
         if not self._followed or self._followed[-1] != step:
             self._followed.append(step)
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
-        return make_strategy(
-            name,
-            self._plan,
-            regions,
-            self._world.schema,
-            self._questions.sizes,
-            self._load,
-            candidates,
-        )
+        schema, sizes = self._world.schema, self._questions.sizes
+        return make_strategy(name, self._plan, regions, schema, sizes, self._load, candidates)
 
     def _new_monitor(self) -> ProgressMonitor:
         ends = stage_ends(self._plan, self._world.schema, self._load)
@@ -301,9 +294,9 @@ class Thinker:
         monitor, now = self._monitor, report.now
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         surprise_m = monitor.surprise_m.get(name, 0.0)
-        size = self._questions.sizes[name]
         found = None
         if monitor.steps:
+            size = self._questions.sizes[name]
             found = collect_evidence(monitor.steps, monitor.notes, name, size, monitor.first_ends)
         kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
         self._evidence = [] if found is None else found.sentences()
@@ -332,22 +325,11 @@ class Thinker:
         return self._repaired_strategy()
 
     def _correct(self, name: str, now: Observation) -> bool:
-        past = TouchHistory(
-            tuple(self._history),
-            recent(self._monitor.steps, self._monitor.costs, name, notes=self._monitor.notes),
-        )
+        monitor, facts = self._monitor, self._questions.facts
+        past = TouchHistory(tuple(self._history), recent(monitor.steps, monitor.costs, name, notes=monitor.notes))
         before = self._questions.beliefs[name]
         corrected = correct_beliefs(
-            self.asker,
-            name,
-            now,
-            past,
-            self._trial,
-            self._world,
-            self._questions.facts,
-            self.cfg,
-            self._rng,
-            self._emit,
+            self.asker, name, now, past, self._trial, self._world, facts, self.cfg, self._rng, self._emit
         )
         if corrected:
             after = self._questions.beliefs[name]

@@ -31,9 +31,7 @@ class Window:
 
 
 def windows(
-    steps: Sequence[Transition],
-    name: str,
-    usable: Callable[[Observation], bool] = lambda start: True,
+    steps: Sequence[Transition], name: str, usable: Callable[[Observation], bool] = lambda start: True
 ) -> list[Window]:
     """Select the windows of a history in which the object was pushed or slid, the most informative ones, in time order.
 

@@ -89,10 +89,7 @@ Found = tuple[PhysicalParameters, tuple[float, float, float]]
 
 
 def identify(
-    replay: HistoryReplay,
-    name: str,
-    believed: Mapping[str, PhysicalParameters],
-    rng: np.random.Generator,
+    replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], rng: np.random.Generator
 ) -> Found:
     """Find the mass m and friction mu of one object that explain a history best.
 
@@ -126,10 +123,7 @@ def identify(
 
 
 def fit_by_replay(
-    replay: HistoryReplay,
-    name: str,
-    believed: Mapping[str, PhysicalParameters],
-    rng: np.random.Generator,
+    replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], rng: np.random.Generator
 ) -> Fit:
     """Fit by replay, then shrink towards the belief along directions on which the history has little information.
 

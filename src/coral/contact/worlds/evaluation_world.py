@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import mujoco
+import numpy as np
 
-from coral.contact.scene.observation import Truth
+from coral.contact.scene.observation import BodyState, Truth
 from coral.contact.worlds.robot_world import RobotWorld, WorldError
 
-__all__ = ["EvaluationWorld", "Simulation", "TruthfulWorld", "WorldError", "simulation_of"]
+__all__ = ["EvaluationWorld", "Simulation", "TruthfulWorld", "WorldError", "body_state", "simulation_of"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,13 @@ class EvaluationWorld(TruthfulWorld, Protocol):
         It is for sensors and records only: a decision must not read it.
         """
         ...
+
+
+def body_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
+    """Return the pose and velocity of a body, world frame."""
+    body, motion = model.body(name).id, np.zeros(6)
+    mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, motion, 0)
+    return BodyState(data.xpos[body].copy(), data.xquat[body].copy(), motion[3:].copy(), motion[:3].copy())
 
 
 def simulation_of(world: RobotWorld) -> Simulation | None:

@@ -14,9 +14,9 @@ from coral.contact.control.hand_model import HandCfg, add_hand, set_stiffness
 from coral.contact.control.planning_world import put_state
 from coral.contact.scene.geometry import rotate
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import Simulation, WorldError
+from coral.contact.worlds.evaluation_world import Simulation, WorldError, body_state
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 
@@ -80,15 +80,9 @@ class HandWorld:
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
-        observed = self._observe()
-        return Truth(
-            observed.time_s,
-            observed.tool,
-            observed.opening_m,
-            observed.objects,
-            merged_contacts(self.model, self.data, part_of),
-            self._forces.read(),
-        )
+        seen = self._observe()
+        contacts = merged_contacts(self.model, self.data, part_of)
+        return Truth(seen.time_s, seen.tool, seen.opening_m, seen.objects, contacts, self._forces.read())
 
     def stop(self) -> None:
         """See `RobotWorld.stop`; a simulation stands still between steps."""
@@ -110,7 +104,7 @@ class HandWorld:
     def _observe(self) -> Observation:
         model, data = self.model, self.data
         opening = float(sum(data.joint(f"{side}_slide").qpos[0] for side in ("left", "right")))
-        objects = {name: _body(model, data, name) for name in self._trial.objects}
+        objects = {name: body_state(model, data, name) for name in self._trial.objects}
         wrench = np.zeros(6)
         tool = data.body("hand").xpos
         for contact in merged_contacts(model, data, part_of):
@@ -118,18 +112,10 @@ class HandWorld:
                 if ours in ("hand", "left", "right"):
                     wrench[:3] += sign * contact.force
                     wrench[3:] += sign * np.cross(contact.point - tool, contact.force)
-        return Observation(float(data.time), _body(model, data, "hand"), opening, wrench, objects)
+        return Observation(float(data.time), body_state(model, data, "hand"), opening, wrench, objects)
 
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
     """Return a geom's name for the judge."""
     body = int(model.geom_bodyid[geom])
     return str(model.geom(geom).name if body == 0 else model.body(body).name)
-
-
-def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
-    velocity = np.zeros(6)
-    body = model.body(name).id
-    mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, velocity, 0)
-    quaternion: Array = data.xquat[body].copy()
-    return BodyState(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())

@@ -25,8 +25,6 @@ def check_fit(
     if count > least:
         best, wrong = min((residual([i for i in range(count) if i != k]), k) for k in range(count))
         if best <= limit:
-            field, found = (
-                f"{field}[{wrong}]",
-                f"{found}; without it the others agree: it is of another place",
-            )
+            field = f"{field}[{wrong}]"
+            found = f"{found}; without it the others agree: it is of another place"
     raise InputError(where, field, found, f"{limit:g} {unit}")

@@ -87,9 +87,8 @@ class BagRgbdCamera:
                 if waiting is not None:
                     if stamp <= waiting[0]:
                         found = f"a stamp of {stamp:.3f} s after {waiting[0]:.3f} s" if stamp else "no time stamps"
-                        raise InputError(
-                            str(self.path), topic, found, "pictures with the times at which they were taken"
-                        )
+                        expected = "pictures with the times at which they were taken"
+                        raise InputError(str(self.path), topic, found, expected)
                     yield self._pair(*waiting, colours, removal)
                 # Its colours may be the next message.
                 waiting = stamp, _depth(message, self.path, topic)

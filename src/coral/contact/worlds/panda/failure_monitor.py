@@ -35,13 +35,10 @@ class FailureMonitor:
         Raises:
             WorldError: "diverged" or "unreachable".
         """
-        self._check_finite(data)
-        self._check_reach(data, error, target)
-
-    def _check_finite(self, data: mujoco.MjData) -> None:
         speed = float(np.abs(data.qvel).max())
         if not (np.isfinite(speed) and np.isfinite(data.qpos).all()) or speed > MAX_SPEED:
             raise WorldError("diverged", f"the simulation diverged at {data.time:.2f} s (speed {speed:.3g})")
+        self._check_reach(data, error, target)
 
     def _check_reach(self, data: mujoco.MjData, error: Array, target: HandTarget) -> None:
         away = error[:3] + target.force / target.stiffness

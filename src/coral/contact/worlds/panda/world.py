@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import Simulation
+from coral.contact.worlds.evaluation_world import Simulation, body_state
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 from coral.contact.worlds.panda.environment import RobotCfg, make_environment
@@ -92,14 +92,9 @@ class PandaWorld:
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
-        return Truth(
-            float(self.data.time),
-            self._tool(),
-            self._opening(),
-            {name: self._body(name) for name in self._objects},
-            merged_contacts(self.model, self.data, part_of),
-            self._forces.read(),
-        )
+        objects = {name: self._body(name) for name in self._objects}
+        contacts = merged_contacts(self.model, self.data, part_of)
+        return Truth(float(self.data.time), self._tool(), self._opening(), objects, contacts, self._forces.read())
 
     def stop(self) -> None:
         """See `RobotWorld.stop`; a simulation stands still between steps."""
@@ -169,13 +164,11 @@ class PandaWorld:
         return BodyState(self.data.site_xpos[self._site].copy(), quaternion, velocity[:3], velocity[3:])
 
     def _body(self, name: str) -> BodyState:
+        if self._trial.task.object(name).joint is not None:
+            return body_state(self.model, self.data, name)
         body = self._objects[name]
         dof = int(self.model.body_dofadr[body])
         quaternion: Array = self.data.xquat[body].copy()
-        if self._trial.task.object(name).joint is not None:
-            motion = np.zeros(6)
-            mujoco.mj_objectVelocity(self.model, self.data, int(mujoco.mjtObj.mjOBJ_XBODY), body, motion, 0)
-            return BodyState(self.data.xpos[body].copy(), quaternion, motion[3:].copy(), motion[:3].copy())
         spin = self.data.xmat[body].reshape(3, 3) @ self.data.qvel[dof + 3 : dof + 6]
         return BodyState(self.data.xpos[body].copy(), quaternion, self.data.qvel[dof : dof + 3].copy(), spin)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from coral.contact.scene.geometry import cross
 from coral.contact.scene.observation import Array
 from coral.contact.worlds.panda.names import FORCE_SENSOR, HAND_BODY, SITE, TORQUE_SENSOR, WRIST_SITE
 
@@ -65,9 +66,9 @@ class WristWrench:
         spin = 0.5 * (after[3:] + self._before[3:])
         needed = self.mass * (change[:3] - self._model.opt.gravity)
         force = needed - mean[:3]
-        torque = _cross(centre, needed) - mean[3:] + inertia @ change[3:] + _cross(spin, inertia @ spin)
+        torque = cross(centre, needed) - mean[3:] + inertia @ change[3:] + cross(spin, inertia @ spin)
         lever = data.site_xpos[self._site] - data.site_xpos[self._tool]
-        return np.concatenate([force, torque + _cross(lever, force)])
+        return np.concatenate([force, torque + cross(lever, force)])
 
     def _velocity(self) -> Array:
         """Return the velocity of the hand's centre of mass, and its angular velocity; world axes. Shape=(6,)."""
@@ -77,11 +78,6 @@ class WristWrench:
         mujoco.mj_jac(model, data, jacobian[:3], jacobian[3:], centre, self._body)
         velocity: Array = jacobian @ data.qvel
         return velocity
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Compute the cross product of two vectors; NumPy's own takes ten times as long."""
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def _subtree(model: mujoco.MjModel, root: int) -> list[int]:
