@@ -225,7 +225,7 @@ def test_who_is_fenced_in_by_doubt_looks_round_and_goes_on_instead_of_ending(dri
     )
     while not mission.pilot.end_reason and mission.t < 60.0 and len(mission.told("doubt")) < 2:
         mission.tick()
-    steps = [e["step"] for e in mission.told("doubt")]
+    steps = [e["look"] for e in mission.told("doubt")]
     assert (steps, mission.pilot.end_reason) == (([], NOTHING_LEFT) if sure else (["turn", "forget"], ""))
     if not sure:
         forgot = mission.t

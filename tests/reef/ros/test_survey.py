@@ -100,6 +100,51 @@ def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path):
     assert node.grids[-1].info.resolution == pytest.approx(MapCfg().cell_m)
 
 
+TOPICS = {
+    "image": ("/rov/camera/image_raw", "sensor_msgs/msg/Image"),
+    "camera-info": ("/rov/camera/camera_info", "sensor_msgs/msg/CameraInfo"),
+    "odometry": ("/rov/odom", "nav_msgs/msg/Odometry"),
+    "sonar": ("/rov/ranges", "sensor_msgs/msg/PointCloud2"),
+}
+
+
+@contextmanager
+def recorder(folder):
+    """Record the vehicle's topics as MCAP."""
+    told = (f"{topic}={kind}" for topic, kind in TOPICS.values())
+    command = [sys.executable, str(Path(__file__).with_name("recorder_node.py")), str(folder), *told]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout.readline() == "ready\n"
+        yield
+    finally:
+        process.terminate()
+        process.wait(30.0)
+
+
+def made(command, *words):
+    """Run a command of the reef; return its numbers."""
+    told = subprocess.run(
+        [sys.executable, "-m", "coral", "reef", command, *map(str, words), "--json"], check=True, capture_output=True
+    )
+    return json.loads(told.stdout)
+
+
+def test_a_survey_recorded_as_mcap_is_mapped_again(tmp_path):
+    run, dive, camera = tmp_path / "run", tmp_path / "dive", tmp_path / "camera.yaml"
+    camera.write_text("width: 160\nheight: 120\nhfov_deg: 120\npitch_down_deg: 15\naltitude_m: 1\n")
+    words = ["--out", run, "--no-preflight", "--cfg.record.no-report", "--sonar", "ros2:/rov/ranges"]
+    with vehicle(), recorder(dive), operator() as node, started(sail(*words, "--cfg.time-limit-s", "90")) as process:
+        call(node, "start")
+        assert process.wait(240.0) == 0
+    own = made("products", run, "--out", tmp_path / "own")
+    topics = [word for name, (topic, _) in TOPICS.items() for word in (f"--topics.{name}", topic)]
+    eyes = ("--perception", "painted", "--camera", camera)
+    again = made("map", dive, *topics, *eyes, "--out", tmp_path / "again")
+    assert again["clusters"] == own["clusters"] > 0
+    assert again["oyster_area_m2"] == pytest.approx(own["oyster_area_m2"], rel=0.2)
+
+
 def checked():
     return subprocess.run(sail("--check"), capture_output=True, text=True, timeout=300.0)
 

@@ -27,7 +27,7 @@ EVENTS = {
     "trigger": "The smart trigger's verdict changed (Eq. 12): `cause`, `fired`, `held_by`.",
     "monitor": "The reference path was planned anew: `deviation_m`.",
     "planner_failure": "No rollout was feasible, and the vehicle brakes: `reason`.",
-    "doubt": "The robot looks again at doubtful places before it ends: `step`.",
+    "doubt": "The robot looks again at doubtful places before it ends: `look`.",
     "cluster_covered": "A true cluster was covered: `name`, `fraction` of its area.",
     "collision": "Contact with `obstacle` at `x`, `y` (m).",
     "state": "The vehicle's state changed: the new `state`, the old one (`was`), `cause`, `by` whom, `reason`.",

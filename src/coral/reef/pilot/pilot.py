@@ -323,7 +323,7 @@ class Pilot:
             if step is None:
                 self.end_reason = NOTHING_LEFT
             else:
-                self._emit("doubt", step=step)
+                self._emit("doubt", look=step)
         elif asked is not None and asked.alone is not None:
             self.goals.explore(asked, asked.alone)
         elif decided.failure and decided.failure != "withdrawn":
