@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import FrameType
 from typing import Any
@@ -23,13 +23,28 @@ SIGNALS = (signal.SIGINT, *ENDING)
 _Handler = Callable[[int, FrameType | None], Any]
 
 
+@contextlib.contextmanager
+def handling(handlers: Mapping[int, _Handler]) -> Iterator[None]:
+    """Handle signals by number in this way until the block ends; only in the main thread, if there are any."""
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
 class _Gate:
     """Passes signals on to the handlers that were there before, or holds the first one back."""
 
-    def __init__(self, handlers: dict[int, _Handler]) -> None:
-        self._handlers = handlers
+    def __init__(self) -> None:
+        self._handlers = {number: handler for number in SIGNALS if callable(handler := signal.getsignal(number))}
         self._held: tuple[int, FrameType | None] | None = None
         self.closed = False
+
+    def handlers(self) -> dict[int, _Handler]:
+        """Return what is to handle the signals that had a handler."""
+        return dict.fromkeys(self._handlers, self.receive)
 
     def receive(self, number: int, frame: FrameType | None) -> None:
         """Handle a signal: hold it back if the gate is closed and nothing is held yet; else pass it on."""
@@ -63,17 +78,13 @@ def holding_interrupts() -> Iterator[None]:
     if _gate is not None or threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: handler for number in SIGNALS if callable(handler := signal.getsignal(number))}
-    gate = _Gate(before)
-    try:
-        for number in before:
-            signal.signal(number, gate.receive)
+    gate = _Gate()
+    with handling(gate.handlers()):
         _gate = gate
-        yield
-    finally:
-        _gate = None
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        try:
+            yield
+        finally:
+            _gate = None
 
 
 @contextlib.contextmanager
@@ -118,21 +129,12 @@ def _here() -> _Gate | None:
     return _gate if threading.current_thread() is threading.main_thread() else None
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
-
-
 def wait_for_interrupt(told: str = "") -> None:
     """Wait until Ctrl-C or SIGTERM, as told on standard error: a server that is told to stop has done its work."""
-    before = signal.signal(signal.SIGTERM, _interrupt)
-    try:
+    with contextlib.suppress(KeyboardInterrupt), handling({signal.SIGTERM: signal.default_int_handler}):
         if told:
             tell(told)
         threading.Event().wait()
-    except KeyboardInterrupt:
-        pass
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 class Terminated(KeyboardInterrupt):
@@ -169,10 +171,5 @@ def orderly_termination() -> Iterator[Received]:
 
     main = threading.current_thread() is threading.main_thread()
     ours = [number for number in ENDING if main and signal.getsignal(number) is signal.SIG_DFL]
-    for number in ours:
-        signal.signal(number, end)
-    try:
+    with handling(dict.fromkeys(ours, end)):
         yield received
-    finally:
-        for number in ours:
-            signal.signal(number, signal.SIG_DFL)

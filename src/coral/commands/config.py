@@ -20,25 +20,10 @@ WIDTH = 120
 DEPARTS = "Departs from the paper:"
 """Begins the sentence beside a default that says how, and why."""
 UNITS = {
-    "m": "m",
-    "mm": "mm",
-    "m2": "m²",
-    "s": "s",
-    "ms": "ms",
-    "1_s": "1/s",
-    "m_s": "m/s",
-    "m_s2": "m/s²",
-    "deg": "deg",
-    "deg_s": "deg/s",
-    "rad": "rad",
-    "rad_s": "rad/s",
-    "hz": "Hz",
-    "kg": "kg",
-    "kg_m2": "kg m²",
-    "n": "N",
-    "n_m": "N m",
-    "usd": "USD",
-}
+    "m": "m", "mm": "mm", "m2": "m²", "s": "s", "ms": "ms", "1_s": "1/s", "m_s": "m/s", "m_s2": "m/s²",
+    "deg": "deg", "deg_s": "deg/s", "rad": "rad", "rad_s": "rad/s", "hz": "Hz",
+    "kg": "kg", "kg_m2": "kg m²", "n": "N", "n_m": "N m", "usd": "USD",
+}  # fmt: skip
 """Unit by the end of a key; the n_m of a stiffness are N/m."""
 _PARTS = {part for end in UNITS for part in end.split("_")}
 HELP = f"{'; '.join(f'{name}, {what}' for name, (_, _, what) in CONFIGURATIONS.items())}."

@@ -18,7 +18,7 @@ from coral.commands.config_flag import configured
 from coral.commands.live import LiveFlags, watching
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
-from coral.commands.render import render
+from coral.commands.render import list_made, render
 from coral.commands.robot_flags import RobotFlags, robot_names
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
@@ -196,7 +196,8 @@ class ContactRun:
                 progress.close()
             policy, recording = cfg.think.fallback, _recorder(episode.advisor)
             decided = who_decided(result, things="decisions", fallback=policy, recording=recording)
-            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg.record)}
+            made = render(folder, report=cfg.record.report, video=cfg.record.video)
+            return {**result, "decided": decided, "run": str(folder), **made}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""
@@ -207,7 +208,8 @@ class ContactRun:
             )
         finally:
             progress.close()
-        return {**result, "run": str(folder), **render(folder, cfg.record)}
+        made = render(folder, report=cfg.record.report, video=cfg.record.video)
+        return {**result, "run": str(folder), **made}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         reason = str(result["end_reason"])
@@ -224,13 +226,8 @@ class ContactRun:
             f"{_count(result)} of {result['plan_ms_median']:.0f} ms, {result['path_length_m']:.2f} m of path, "
             f"{force}{_judged(result)}"
         )
-        lines = [
-            f"{self.task}: {reason}{why}{how if result['steps'] else ' before anything moved'}",
-            f"run folder: {result['run']}",
-        ]
-        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
-        lines += [str(result["decided"])] if result.get("decided") else []
-        return "\n".join(lines)
+        outcome = f"{self.task}: {reason}{why}{how if result['steps'] else ' before anything moved'}"
+        return "\n".join([outcome, f"run folder: {result['run']}", *list_made(result)])
 
 
 def _operator(cfg: EpisodeCfg) -> KeyboardVerdict | None:

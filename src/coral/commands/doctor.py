@@ -14,24 +14,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 CORE = (
-    "numpy",
-    "numba",
-    "opencv-python-headless",
-    "pydantic",
-    "pydantic-ai-slim",
-    "httpx2",
-    "rich",
-    "PyYAML",
-    "Jinja2",
-    "jsonschema",
-    "starlette",
-    "matplotlib",
-    "imageio-ffmpeg",
-    "pyarrow",
-    "mujoco",
-    "websockets",
-    "msgspec",
-)
+    "numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "rich", "PyYAML", "Jinja2",
+    "jsonschema", "starlette", "matplotlib", "imageio-ffmpeg", "pyarrow", "mujoco", "websockets", "msgspec",
+)  # fmt: skip
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
     "ray": ("ray", "campaigns on a Ray cluster"),
@@ -58,12 +43,7 @@ class Doctor:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        packages: dict[str, str | None] = {}
-        for name in CORE:
-            try:
-                packages[name] = version(name)
-            except PackageNotFoundError:
-                packages[name] = None
+        packages = {name: _version(name) for name in CORE}
         checks = {
             "python": sys.version_info >= (3, 11),
             "packages": all(packages.values()),
@@ -102,6 +82,13 @@ class Doctor:
         lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")
         lines.append("ready" if result["ok"] else "not ready: run make setup")
         return "\n".join(lines)
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
 
 
 def _is_there(module: str) -> bool:

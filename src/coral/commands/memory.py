@@ -77,11 +77,16 @@ class MemoryList(MemoryFlags):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryShow(MemoryFlags):
-    """Show one experience: task, numbers, programs, regions, provenance."""
+class MemoryOne(MemoryFlags):
+    """The flags of the commands about one experience."""
 
     id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryShow(MemoryOne):
+    """Show one experience: task, numbers, programs, regions, provenance."""
 
     def __call__(self) -> Mapping[str, Any]:
         stored = _open_existing(self.file).get(self.id)
@@ -97,11 +102,8 @@ class MemoryShow(MemoryFlags):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryForget(MemoryFlags):
+class MemoryForget(MemoryOne):
     """Delete one experience."""
-
-    id: Annotated[int, Argument()]
-    """Number of the experience, from `coral memory list`."""
 
     def __call__(self) -> Mapping[str, Any]:
         _open_existing(self.file).forget(self.id)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.commands.keyboard import Keyboard
-from coral.commands.sail_parts import proves_simulation
+from coral.commands.sail_parts import await_simulation
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
@@ -62,12 +62,11 @@ class ReefIdentify:
         with ExitStack() as opened:
             link = MavlinkLink(parse_address(self.vehicle))
             opened.callback(link.close)
-            proven = False
             if self.truth:
                 feed = our_part("rehearsal", "truth", "--truth")(parse_address(self.truth)).run()
                 opened.callback(feed.close)
-                proven = proves_simulation(feed)
-            if self.yes and not proven:
+                await_simulation(feed)
+            elif self.yes:
                 raise InputError("--yes", "", f"{self.vehicle}, which may be a real vehicle", "--truth of a simulation")
             log = self._drive(link)
         response, surge, yaw = identify(log)

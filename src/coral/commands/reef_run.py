@@ -17,7 +17,7 @@ from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.commands.live import LiveFlags, watching
 from coral.commands.notice import mission_notice
 from coral.commands.progress import MissionProgress
-from coral.commands.render import render
+from coral.commands.render import list_made, render
 from coral.errors import InputError
 from coral.flags import Argument, Option
 from coral.reef.mission.compiled import NOTICE, is_compiled
@@ -162,7 +162,8 @@ class ReefRun:
             finally:
                 progress.close()
             decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg.record)}
+            made = render(folder, report=cfg.record.report, video=cfg.record.video)
+            return {**result, "decided": decided, "run": str(folder), **made}
 
     def _tell_compiling(self) -> None:
         if not self.quiet and not is_compiled():
@@ -177,9 +178,8 @@ class ReefRun:
             *fulfilled(result),
             *([] if "success" in result else still_left(result)),
             f"run folder: {result['run']}",
+            *list_made(result),
         ]
-        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
-        lines += [str(result["decided"])] if result["decided"] else []
         return "\n".join(lines)
 
 

@@ -19,7 +19,7 @@ from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
-from coral.commands.render import render
+from coral.commands.render import list_made, render
 from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors
 from coral.commands.sail_told import survey_told
@@ -235,7 +235,8 @@ class ReefSail:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         lens = "" if self.camera == "simulated" else our_part("lens", "check", "--camera")(folder)
-        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render(folder, cfg.record)}
+        made = render(folder, report=cfg.record.report, video=cfg.record.video)
+        return {**result, "decided": decided, "lens": lens, "run": str(folder), **made}
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:
@@ -344,9 +345,7 @@ class ReefSail:
         lines += fulfilled(result)
         lines += [result["lens"]] if result.get("lens") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
-        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
-        lines += [str(result["decided"])] if result["decided"] else []
-        return "\n".join(lines)
+        return "\n".join([*lines, *list_made(result)])
 
     def exit_code(self, result: Mapping[str, Any]) -> int:
         """Return a failure for a check that found the vehicle not ready."""

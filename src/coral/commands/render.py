@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from coral.errors import InputError
 from coral.plugins import our_part
 from coral.terminal import tell
 
 
-class Rendered(Protocol):
-    """What the configuration of a record says of it."""
-
-    @property
-    def report(self) -> bool: ...
-    @property
-    def video(self) -> bool: ...
-
-
-def render(folder: Path, record: Rendered) -> dict[str, str]:
-    """Make pictures, report and video of a finished run, as configured; a missing wing is told in a line."""
-    if not record.report and not record.video:
+def render(folder: Path, *, report: bool, video: bool) -> dict[str, str]:
+    """Make report, with its pictures, and video of a finished run; a missing wing is told in a line."""
+    if not report and not video:
         return {}
     try:
         write = our_part("rendering", "run", "report")
     except InputError as error:
         tell(error)
         return {}
-    made: dict[str, str] = write(folder, report=record.report, video=record.video)
+    made: dict[str, str] = write(folder, report=report, video=video)
     return made
+
+
+def list_made(result: Mapping[str, Any]) -> list[str]:
+    """Return a line for each file that people open, and one about who decided."""
+    lines = [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+    return [*lines, *([str(result["decided"])] if result.get("decided") else [])]

@@ -45,34 +45,26 @@ class RobotFlags:
             InputError: The flags contradict each other.
         """
         if not self.given:
-            for name, value in (
-                ("--robot", self.robot),
-                ("--dry-run", self.dry_run),
-                ("--yes", self.yes),
-                ("--camera", self.camera),
-                ("--camera-pose", self.camera_pose),
-                ("--masks", self.masks),
-            ):
-                if value:
-                    raise InputError(name, "", value, f"it goes with --world {' or '.join(robot_names())} only")
+            for name in ("robot", "dry_run", "yes", "camera", "camera_pose", "masks"):
+                self._refuse(name, f"--world {' or '.join(robot_names())}")
             return False
         if not self.robot:
             raise InputError("--robot", "", "nothing", f"the arm's address, or {SIMULATED!r} for the simulated arm")
         if self.yes and self.robot != SIMULATED and not self.dry_run:
-            raise InputError(
-                "--yes",
-                "",
-                f"--robot {self.robot}",
-                f"--robot {SIMULATED}: a real arm moves only when a person confirms",
-            )
+            expected = f"--robot {SIMULATED}: a real arm moves only when a person confirms"
+            raise InputError("--yes", "", f"--robot {self.robot}", expected)
         self._check_camera()
         return True
 
+    def _refuse(self, name: str, only: str) -> None:
+        """Refuse a flag that is given, because it goes with something else only."""
+        if value := getattr(self, name):
+            raise InputError(f"--{name.replace('_', '-')}", "", value, f"it goes with {only} only")
+
     def _check_camera(self) -> None:
         if self.camera is None:
-            for name, value in (("--camera-pose", self.camera_pose), ("--masks", self.masks)):
-                if value:
-                    raise InputError(name, "", value, "it goes with --camera only")
+            self._refuse("camera_pose", "--camera")
+            self._refuse("masks", "--camera")
         elif (self.camera == SIMULATED_CAMERA) != (self.robot == SIMULATED):
             expected = f"--camera {SIMULATED_CAMERA} with --robot {SIMULATED}, a real camera with a real arm"
             raise InputError("--camera", "", f"{self.camera} with --robot {self.robot}", expected)

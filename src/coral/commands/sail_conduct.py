@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
 from coral.commands.keyboard import Keyboard
 from coral.errors import RunError
+from coral.interrupts import SIGNALS, handling
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import describe_priority, prefer_thread
 from coral.reef.sea.sea_mission import SeaMission
@@ -52,7 +53,7 @@ def signals_as_words(words: OperatorWords) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before: dict[int, Callable[..., Any] | int | None] = {}
+    before = {number: handler for number in SIGNALS if (handler := signal.getsignal(number)) is not signal.SIG_IGN}
 
     def stop(number: int, _: object) -> None:
         words.say("stop", signal.Signals(number).name)
@@ -61,12 +62,5 @@ def signals_as_words(words: OperatorWords) -> Iterator[None]:
             with suppress(KeyboardInterrupt):
                 handler(number, None)  # notes the signal for the exit code
 
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, stop)
-    try:
+    with handling(dict.fromkeys(before, stop)):
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -227,15 +227,18 @@ def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened
     else:
         address = parse_address(flags.vehicle)
         link = our_part("coral.vehicles", "mavlink", "--vehicle")(address)
-    truth, proven = _reported(link), False
+    feed: Any = None
     if flags.truth:
         feed = our_part("rehearsal", "truth", "--truth")(parse_address(flags.truth)).run()
         opened.append(feed)
-        proven = proves_simulation(feed)
+        await_simulation(feed)
 
-        def truth() -> tuple[float, Pose] | None:
+    def truth() -> tuple[float, Pose] | None:
+        if feed is not None:
             state = feed.state
             return None if state is None else (state.stamp_s, state.pose)
+        report = link.report()  # without a second address the reef is drawn around wherever the vehicle says it is
+        return None if report.pose is None else (report.pose_stamp_s, report.pose)
 
     return Parts(
         link=link,
@@ -244,29 +247,22 @@ def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened
         reef=world,
         pose_source="autopilot" if kind == "mavlink" else kind,
         trust_heading=is_survey(Path(flags.area)),
-        proven_simulation=proven,
+        proven_simulation=feed is not None,
         truth=truth,
     )
 
 
-def _reported(link: VehicleLink) -> Callable[[], tuple[float, Pose] | None]:
-    """Take what the vehicle reports for the truth: the reef is drawn around wherever it says it is."""
+def await_simulation(feed: Any, timeout_s: float = 10.0) -> None:
+    """Wait for the state of a simulation: only a simulation tells one.
 
-    def truth() -> tuple[float, Pose] | None:
-        report = link.report()
-        return None if report.pose is None else (report.pose_stamp_s, report.pose)
-
-    return truth
-
-
-def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
-    """Wait for the state of a simulation: only a simulation tells one."""
+    Raises:
+        InputError: None is told.
+    """
     end = time.monotonic() + timeout_s
     while feed.state is None:
         if time.monotonic() > end:
             raise InputError("--truth", "", "no SIM_STATE", "the second address of a simulation in the loop")
         time.sleep(0.05)
-    return True
 
 
 def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SensorSource[HeardImage]:

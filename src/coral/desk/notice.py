@@ -40,9 +40,10 @@ class MissionNotice:
 
     def tell(self, **news: Any) -> None:
         """Write the notice, with news."""
-        with self._writing:
+        with self._writing, contextlib.suppress(OSError):
             self._content.update(news)
-            _write(self._path, self._content)
+            self._path.parent.mkdir(PRIVATE, parents=True, exist_ok=True)
+            write_whole(self._path, json.dumps(self._content, indent=2, default=str))
 
     def hear(self, event: Mapping[str, Any]) -> None:
         """Tell what an event of the mission says of its state and its instruction."""
@@ -83,17 +84,9 @@ def mission_notice(inbox: Path, instruct: Instruct | None = None, **about: Any) 
     does not stop the mission. `about` describes the mission, such as its world and its run folder, in JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
-    content = {
-        **about,
-        "host": host,
-        "pid": pid,
-        "state": "running",
-        "outcome": "",
-        "doing": "",
-        "started_at": round(time.time(), 3),
-    }
+    content = {**about, "host": host, "pid": pid, "state": "running", "outcome": "", "doing": ""}
     path, over = inbox / f"mission-{host}-{pid}.json", threading.Event()
-    notice = MissionNotice(path, content, instruct)
+    notice = MissionNotice(path, {**content, "started_at": round(time.time(), 3)}, instruct)
 
     def look() -> None:
         while not over.wait(LOOK_S):
@@ -128,9 +121,3 @@ def is_alive(host: str, pid: int) -> bool:
     except (PermissionError, OverflowError):
         pass
     return True
-
-
-def _write(path: Path, content: dict[str, Any]) -> None:
-    with contextlib.suppress(OSError):
-        path.parent.mkdir(PRIVATE, parents=True, exist_ok=True)
-        write_whole(path, json.dumps(content, indent=2, default=str))

@@ -10,31 +10,11 @@ LONGEST_S = 1e7
 LARGEST = 1e9
 """Maximum plausible number elsewhere."""
 
-NUMBERS = frozenset(
-    [
-        "t",
-        "step",
-        "decision",
-        "attempt",
-        "index",
-        "asked_at",
-        "asked_at_s",
-        "answered_at_s",
-        "x",
-        "y",
-        "fraction",
-        "deviation_m",
-        "obstacle",
-        "clusters_total",
-        "force_n",
-        "newtons",
-        "begun_s",
-        "ended_s",
-        "peak_n",
-        "mean_n",
-        "attempts",
-    ]
-)
+NUMBERS = frozenset((
+    "t", "step", "decision", "attempt", "index", "asked_at", "asked_at_s", "answered_at_s", "x", "y", "fraction",
+    "deviation_m", "obstacle", "clusters_total", "force_n", "newtons", "begun_s", "ended_s", "peak_n", "mean_n",
+    "attempts",
+))  # fmt: skip
 """Fields with a number, or null if there is none."""
 LISTS = frozenset(("pictures", "centroids", "captions"))
 NEEDED = {
@@ -45,20 +25,10 @@ NEEDED = {
     "contact_end": ("first", "second", "begun_s", "ended_s"),
 }
 """Required fields of each kind of event."""
-FIGURES = frozenset(
-    [
-        "coverage",
-        "clusters_covered",
-        "clusters_total",
-        "collisions",
-        "advisor_calls",
-        "requeries",
-        "deviations",
-        "steps",
-        "sim_time_s",
-        "distance_m",
-    ]
-)
+FIGURES = frozenset((
+    "coverage", "clusters_covered", "clusters_total", "collisions", "advisor_calls", "requeries", "deviations", "steps",
+    "sim_time_s", "distance_m",
+))  # fmt: skip
 """Metrics that the headline and the tiles use as numbers."""
 
 

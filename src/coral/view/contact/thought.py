@@ -90,7 +90,7 @@ def thoughts(run: RunFolder) -> list[Thought]:
         if set(kinds) == {"strategy"}:
             continue
         title, state = _cause(kinds, step)
-        parts = tuple(part for event in events if (part := _PARTS[str(event["event"])](event)) is not None)
+        parts = tuple(_PARTS[kind](event) for kind, event in zip(kinds, events, strict=True))
         found.append(Thought(t=t, title=title, state=state, parts=parts))
     return found
 
@@ -164,18 +164,15 @@ def _beliefs(event: Record) -> ThoughtPart:
         for key, value in event.items()
         if isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)
     }
-    chips = tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items())
-    failure = str(event.get("failure", ""))
-    if failure:
-        return ThoughtPart(
-            title="Masses and frictions",
-            state="bad",
-            chips=chips,
-            text=f"Not decided by the advisor: {_describe_failure(failure)}.",
-            refused=_refusals(event),
-        )
+    undecided = _undecided(event)
     given = "Given on the command line." if event.get("source") == "given" else _attempts_text(event)
-    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refusals(event), text=given)
+    return ThoughtPart(
+        title="Masses and frictions",
+        state="bad" if undecided else "",
+        chips=tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items()),
+        text=undecided or given,
+        refused=_refusals(event),
+    )
 
 
 def _poses(event: Record) -> ThoughtPart:
@@ -191,23 +188,15 @@ def _poses(event: Record) -> ThoughtPart:
 
 
 def _recall(event: Record) -> ThoughtPart:
+    title = f"Memory {event['id']} was"
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    outcome, ran = event.get("outcome"), ""
-    if outcome:
-        ran = f"; in an imagined run for {float(event['rehearsed_s']):.0f} s it " + (
-            "succeeded"
-            if outcome["succeeded"]
-            else f"came through {100 * float(outcome['stages']):.0f} % of its stages"
-        )
     if event.get("refused"):
-        return ThoughtPart(
-            title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),)
-        )
-    return ThoughtPart(
-        title=f"Memory {event['id']} was used",
-        state="good",
-        text=f"{known}{ran}. No question about a plan was needed.",
-    )
+        return ThoughtPart(title=f"{title} not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),))
+    if outcome := event.get("outcome"):
+        stages = f"came through {100 * float(outcome['stages']):.0f} % of its stages"
+        ended = "succeeded" if outcome["succeeded"] else stages
+        known += f"; in an imagined run for {float(event['rehearsed_s']):.0f} s it {ended}"
+    return ThoughtPart(title=f"{title} used", state="good", text=f"{known}. No question about a plan was needed.")
 
 
 def _recall_repair(event: Record) -> ThoughtPart:
@@ -218,14 +207,10 @@ def _recall_repair(event: Record) -> ThoughtPart:
 
 def _plan(event: Record) -> ThoughtPart:
     again = event["kind"] == "cost-repair"
-    title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
-    if failure:
-        return ThoughtPart(
-            title=f"{title}: none",
-            state="bad",
-            text=f"{_describe_failure(failure).capitalize()}.",
-            refused=_refusals(event),
-        )
+    title = "A better plan" if again else "The plan"
+    if failure := str(event.get("failure", "")):
+        why = f"{_describe_failure(failure).capitalize()}."
+        return ThoughtPart(title=f"{title}: none", state="bad", text=why, refused=_refusals(event))
     return ThoughtPart(
         title=title,
         state="good" if again else "",
@@ -242,14 +227,9 @@ def _regions(event: Record) -> ThoughtPart:
         for name, item in held.items()
         for region in item.get("regions", ())
     )
-    failure = str(event.get("failure", ""))
-    return ThoughtPart(
-        title="Contact regions",
-        state="bad" if failure else "",
-        chips=chips,
-        refused=_refusals(event),
-        text=f"Not decided by the advisor: {_describe_failure(failure)}." if failure else "",
-    )
+    undecided = _undecided(event)
+    state = "bad" if undecided else ""
+    return ThoughtPart(title="Contact regions", state=state, chips=chips, refused=_refusals(event), text=undecided)
 
 
 def _candidates(event: Record) -> ThoughtPart:
@@ -265,32 +245,26 @@ def _candidates(event: Record) -> ThoughtPart:
 
 
 def _stuck(event: Record) -> ThoughtPart:
-    kind = str(event.get("diagnosis", ""))
     said = str(event.get("text", ""))
-    rows: list[tuple[str, ...]] = [
-        ("time (s)", "object (m)", "moved (mm)", "hand (m)", "force on the hand (N)", "cost")
-    ]
-    for row in event.get("history", ()):
-        rows.append(
-            (
-                f"{row['time_s']:.2f}",
-                _numbers(row["object_pos"], 3),
-                f"{row['object_moved_mm']:.1f}",
-                _numbers(row["hand_pos"], 3),
-                _numbers(row["force_on_hand_n"], 1),
-                "–" if row.get("cost") is None else f"{row['cost']:.3g}",
-            )
+    head = ("time (s)", "object (m)", "moved (mm)", "hand (m)", "force on the hand (N)", "cost")
+    rows = [
+        (
+            f"{row['time_s']:.2f}",
+            _numbers(row["object_pos"], 3),
+            f"{row['object_moved_mm']:.1f}",
+            _numbers(row["hand_pos"], 3),
+            _numbers(row["force_on_hand_n"], 1),
+            "–" if row.get("cost") is None else f"{row['cost']:.3g}",
         )
+        for row in event.get("history", ())
+    ]
+    stage, object_ = f"stage “{event.get('stage')}”", f"object: {event.get('object')}"
     return ThoughtPart(
-        title=f"Diagnosis: {kind.replace('-', ' ')}",
+        title=f"Diagnosis: {str(event.get('diagnosis', '')).replace('-', ' ')}",
         state="warn",
         text=f"{said[:1].upper()}{said[1:]}.",
-        chips=(
-            f"stage “{event.get('stage')}”",
-            f"{event.get('attempts')} attempts without progress",
-            f"object: {event.get('object')}",
-        ),
-        rows=tuple(rows) if len(rows) > 1 else (),
+        chips=(stage, f"{event.get('attempts')} attempts without progress", object_),
+        rows=(head, *rows) if rows else (),
     )
 
 
@@ -314,21 +288,17 @@ def _correction(event: Record) -> ThoughtPart:
 
 
 def _cost_error(event: Record) -> ThoughtPart:
-    return ThoughtPart(
-        title="The cost could not be evaluated",
-        state="bad",
-        chips=(str(event.get("code")),),
-        text=f"In stage “{event.get('stage')}”: {event.get('reason')}.",
-    )
+    title, chips = "The cost could not be evaluated", (str(event.get("code")),)
+    where = f"In stage “{event.get('stage')}”: {event.get('reason')}."
+    return ThoughtPart(title=title, state="bad", chips=chips, text=where)
 
 
 def _fallback(event: Record) -> ThoughtPart:
     why = _describe_failure(str(event.get("because")))
     titles = {"nobody": "The advisor did not decide: the episode ends", "the plan before": "The plan stays"}
     by = str(event.get("by"))
-    return ThoughtPart(
-        title=titles.get(by, f"The fallback decided: {by}"), state="bad", text=f"On the {event.get('what')}: {why}."
-    )
+    title = titles.get(by, f"The fallback decided: {by}")
+    return ThoughtPart(title=title, state="bad", text=f"On the {event.get('what')}: {why}.")
 
 
 def _remembered(event: Record) -> ThoughtPart:
@@ -336,13 +306,11 @@ def _remembered(event: Record) -> ThoughtPart:
     return ThoughtPart(title="Remembered", state="good", text=text)
 
 
-def _strategy(event: Record) -> ThoughtPart | None:
-    return ThoughtPart(
-        title=f"Follows “{event.get('name')}”", chips=tuple(str(stage) for stage in event.get("stages", ()))
-    )
+def _strategy(event: Record) -> ThoughtPart:
+    return ThoughtPart(title=f"Follows “{event.get('name')}”", chips=tuple(map(str, event.get("stages", ()))))
 
 
-_PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
+_PARTS: Mapping[str, Callable[[Record], ThoughtPart]] = {
     "poses": _poses,
     "beliefs": _beliefs,
     "recall": _recall,
@@ -370,6 +338,12 @@ def _attempts_text(event: Record) -> str:
 
 def _describe_failure(code: str) -> str:
     return FAILED.get(code, f"“{code}”" if code else "no answer")
+
+
+def _undecided(event: Record) -> str:
+    """Return why the advisor did not decide; "" if it did."""
+    failure = str(event.get("failure", ""))
+    return f"Not decided by the advisor: {_describe_failure(failure)}." if failure else ""
 
 
 def _numbers(values: list[float], digits: int) -> str:
