@@ -118,24 +118,15 @@ class Access:
 
 
 def choose_token(token: str = "") -> str:
-    """Choose the token: the given one, else a new one.
+    """Choose the token: the given one, else a new one that nobody can guess.
 
     Raises:
         InputError: The given token is too short or does not fit into an address.
     """
     if token and not TOKEN.fullmatch(token):
-        raise InputError(
-            "token",
-            "",
-            f"a token of {len(token)} characters",
-            "12 or more letters, digits, - or _, or no token to have one made",
-        )
-    return token or new_token()
-
-
-def new_token() -> str:
-    """Generate a token that nobody can guess."""
-    return secrets.token_urlsafe(24)
+        expected = "12 or more letters, digits, - or _, or no token to have one made"
+        raise InputError("token", "", f"a token of {len(token)} characters", expected)
+    return token or secrets.token_urlsafe(24)
 
 
 def is_loopback(host: str) -> bool:

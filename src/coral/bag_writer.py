@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError, install_extra
 from coral.file_writer import scratch_for
 
-Array = NDArray[Any]
+Numbers = Sequence[float] | NDArray[Any]
 
 
 class BagWriter:
@@ -51,28 +51,23 @@ class BagWriter:
         """Make a Header."""
         return self.new("std_msgs/msg/Header", stamp=self.time(t), frame_id=frame_id)
 
-    def point(self, xyz: Sequence[float] | Array) -> Any:
+    def point(self, xyz: Numbers) -> Any:
         """Make a Point (m)."""
-        return self.new("geometry_msgs/msg/Point", **_xyz(xyz))
+        return self.new("geometry_msgs/msg/Point", **_named("xyz", xyz))
 
-    def vector(self, xyz: Sequence[float] | Array) -> Any:
+    def vector(self, xyz: Numbers) -> Any:
         """Make a Vector3."""
-        return self.new("geometry_msgs/msg/Vector3", **_xyz(xyz))
+        return self.new("geometry_msgs/msg/Vector3", **_named("xyz", xyz))
 
-    def quaternion(self, xyzw: Sequence[float] | Array) -> Any:
+    def quaternion(self, xyzw: Numbers) -> Any:
         """Make a Quaternion; ROS puts the real part last."""
-        return self.new(
-            "geometry_msgs/msg/Quaternion", **{name: float(q) for name, q in zip("xyzw", xyzw, strict=True)}
-        )
+        return self.new("geometry_msgs/msg/Quaternion", **_named("xyzw", xyzw))
 
-    def transform(
-        self, parent: str, child: str, xyz: Sequence[float] | Array, xyzw: Sequence[float] | Array, t: float
-    ) -> Any:
+    def transform(self, parent: str, child: str, xyz: Numbers, xyzw: Numbers, t: float) -> Any:
         """Make a TransformStamped: where the child stands in the parent."""
         moved = self.new("geometry_msgs/msg/Transform", translation=self.vector(xyz), rotation=self.quaternion(xyzw))
-        return self.new(
-            "geometry_msgs/msg/TransformStamped", header=self.header(t, parent), child_frame_id=child, transform=moved
-        )
+        kind, header = "geometry_msgs/msg/TransformStamped", self.header(t, parent)
+        return self.new(kind, header=header, child_frame_id=child, transform=moved)
 
     def text(self, text: str) -> Any:
         """Make a String."""
@@ -105,5 +100,5 @@ def nanoseconds_of(t: float) -> int:
     return math.floor(t * 1e9 + 0.5)
 
 
-def _xyz(values: Sequence[float] | Array) -> dict[str, float]:
-    return {name: float(value) for name, value in zip("xyz", values, strict=True)}
+def _named(names: str, values: Numbers) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}

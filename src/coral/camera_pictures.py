@@ -58,7 +58,7 @@ def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
     Raises:
         InputError: It is none, or has an encoding that is not read here.
     """
-    if _is_compressed(message):
+    if hasattr(message, "format"):  # CompressedImage
         if str(message.format).lower() in VIDEO:
             raise InputError(where, "format", repr(str(message.format)), "JPEG or PNG pictures; decode a video first")
         return np.asarray(decode(bytes(message.data), where, "rgb", COLOUR)[:, :, ::-1], np.uint8)
@@ -76,7 +76,7 @@ def values_in(message: Any, where: str, field: str) -> NDArray[Any]:
     Raises:
         InputError: It is none, or has an encoding that is not read here.
     """
-    if not _is_compressed(message):
+    if not hasattr(message, "format"):
         return _plain(message, where)
     content, form = bytes(message.data), str(message.format)
     if "compressedDepth" not in form:
@@ -93,10 +93,6 @@ def values_in(message: Any, where: str, field: str) -> NDArray[Any]:
     inverse = image.astype(np.float64) - b
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((image > 0) & (inverse > 0.0), a / inverse, np.nan).astype(np.float32)
-
-
-def _is_compressed(message: Any) -> bool:
-    return hasattr(message, "format")
 
 
 def _plain(message: Any, where: str) -> NDArray[Any]:

@@ -94,12 +94,8 @@ def checked(cfg: C, where: str) -> C:
         _adapter(cast(Any, type(cfg))).validate_python(dataclasses.asdict(cast(Any, cfg)))
     except ValidationError as error:
         first = error.errors()[0]
-        raise InputError(
-            where,
-            ".".join(str(part) for part in first["loc"]),
-            shown(first["input"]),
-            first["msg"].replace("Input should be ", ""),
-        ) from None
+        field, expected = ".".join(map(str, first["loc"])), first["msg"].replace("Input should be ", "")
+        raise InputError(where, field, shown(first["input"]), expected) from None
     _refuse_odd_numbers(cfg, where, "")
     return cfg
 
@@ -108,13 +104,10 @@ def _refuse_odd_numbers(cfg: Any, where: str, prefix: str) -> None:
     hints = get_type_hints(type(cfg), include_extras=True)
     for field in dataclasses.fields(cfg):
         value, name = getattr(cfg, field.name), f"{prefix}{field.name}"
+        has_range = get_origin(hints[field.name]) is Annotated
         if dataclasses.is_dataclass(value):
             _refuse_odd_numbers(value, where, f"{name}.")
-        elif (
-            get_origin(hints[field.name]) is not Annotated
-            and isinstance(value, int | float)
-            and not 0 <= value < math.inf
-        ):
+        elif not has_range and isinstance(value, int | float) and not 0 <= value < math.inf:
             raise InputError(where, name, value, "a finite number of 0 or more")
 
 
@@ -145,9 +138,8 @@ def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) 
         try:
             values[key] = TypeAdapter(hints[key]).validate_python(value)
         except ValidationError as error:
-            raise InputError(
-                where, name, shown(value), error.errors()[0]["msg"].replace("Input should be ", "")
-            ) from None
+            expected = error.errors()[0]["msg"].replace("Input should be ", "")
+            raise InputError(where, name, shown(value), expected) from None
     return dataclasses.replace(default, **values)
 
 

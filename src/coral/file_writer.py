@@ -12,7 +12,6 @@ import secrets
 import stat
 import tempfile
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -74,12 +73,11 @@ def open_log(path: Path, *, new: bool = True) -> IO[str]:
         OSError: It exists and must not, is a link, or cannot be written.
     """
     flags = (_NEW if new else _NEW & ~os.O_EXCL) | os.O_APPEND
-    opener = partial(_open, flags=flags)
+
+    def opener(name: str, _: int) -> int:
+        return os.open(name, flags, 0o666)
+
     return open(path, "a", encoding="utf-8", newline="\n", buffering=1, opener=opener)
-
-
-def _open(path: str, _: int, flags: int) -> int:
-    return os.open(path, flags, 0o666)
 
 
 @contextlib.contextmanager

@@ -50,8 +50,8 @@ def scan(words: Sequence[str], described: Described, command: str) -> Given:
                 break
         may_be_alone = found.words == MANY and found.metavar.startswith("[")
         if (not values and not may_be_alone) or (len(values) < found.words and values != ["None"]):
-            missing = " ".join(values) or "nothing"
-            raise InputError(where, found.name, missing, f"{_amount(found)}: {help_}")
+            amount = "a value" if found.words in (1, MANY) else f"{found.words} values"
+            raise InputError(where, found.name, " ".join(values) or "nothing", f"{amount}: {help_}")
         given[found.field] = [*given.get(found.field, []), *values] if found.repeated else values
     for flag in described.flags:
         if flag.required and flag.field not in given:
@@ -66,14 +66,13 @@ def build(kind: type, given: Given, described: Described, command: str, default:
         InputError: A value is not of the flag's type, or the dataclass refuses it.
     """
     flags = {flag.field: flag for flag in described.flags}
-    where = f"coral {command}"
     tree: dict[str, Any] = {}
     for path, words in given.items():
         branch = tree
         for name in path[:-1]:
             branch = branch.setdefault(name, {})
         branch[path[-1]] = _Words(flags[path], words)
-    return _made(kind, tree, default, where, "-")
+    return _made(kind, tree, default, f"coral {command}", "-")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,7 +131,3 @@ def _value(word: str, base: Any, flag: Flag, where: str) -> Any:
 
 def _is_flag(word: str) -> bool:
     return word.startswith("--") and len(word) > 2
-
-
-def _amount(flag: Flag) -> str:
-    return "a value" if flag.words in (1, MANY) else f"{flag.words} values"

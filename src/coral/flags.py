@@ -113,7 +113,9 @@ def _walk(
         nested = get_origin(base) is tuple and any(get_origin(item) is tuple for item in get_args(base))
         if option.hidden or nested or not field.init:  # nested tuples have no spelling as words
             continue
-        default = _default(field) if instance is MISSING else getattr(instance, field.name)
+        default = field.default if instance is MISSING else getattr(instance, field.name)
+        if default is MISSING and field.default_factory is not MISSING:
+            default = field.default_factory()
         here, text = (*path, field.name), option.help or docs.get(field.name, "")
         name = field.name.replace("_", "-") if option.name is None else option.name
         if dataclasses.is_dataclass(base) and isinstance(base, type):
@@ -173,10 +175,6 @@ def shown(value: Any) -> str:
     if isinstance(value, float) and abs(float(f"{value:g}") - value) <= 1e-9 * abs(value):
         return f"{value:g}"
     return str(value)
-
-
-def _default(field: dataclasses.Field[Any]) -> Any:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def _items(base: Any) -> tuple[Any, ...]:

@@ -17,7 +17,7 @@ import warnings
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -132,16 +132,11 @@ def parse_json(text: str | bytes, constant: Callable[[str], Any] | None = None) 
     Raises:
         ValueError: It is not JSON, or nested too deeply.
     """
-    try:
+    with suppress(RecursionError):
         value = json.loads(text, parse_constant=constant)
-    except RecursionError:
-        value = None
-        deep = True
-    else:
-        deep = is_deep(value)
-    if deep:
-        raise ValueError(f"values nested more than {limits.JSON_DEPTH} deep")
-    return value
+        if not is_deep(value):
+            return value
+    raise ValueError(f"values nested more than {limits.JSON_DEPTH} deep")
 
 
 def is_deep(value: Any, depth: int = limits.JSON_DEPTH) -> bool:
@@ -178,10 +173,9 @@ def read_log_lines(path: Path, most_chars: int = limits.LOG_BYTES) -> Iterator[s
             total = 0
             while line := file.readline(limits.LINE_CHARS + 1):
                 total += len(line)
-                if len(line) > limits.LINE_CHARS or total > most_chars:
-                    what = "a line" if len(line) > limits.LINE_CHARS else "a log"
-                    most = limits.LINE_CHARS if what == "a line" else most_chars
-                    raise InputError(str(path), "", f"{what} of more than {most} characters", "the log of a run")
+                for what, chars, most in (("a line", len(line), limits.LINE_CHARS), ("a log", total, most_chars)):
+                    if chars > most:
+                        raise InputError(str(path), "", f"{what} of more than {most} characters", "the log of a run")
                 yield line
     except NotRegularError as error:
         raise InputError(str(path), "", error.kind, "a regular file: the log of a run") from None

@@ -43,13 +43,11 @@ class OnnxFile:
         """
         name = next(iter(self.inputs))
         try:
-            values = self.session.run(
-                None, {name: tensor.astype(np.float16) if self.kinds.get(name) == HALF else tensor}
-            )
+            given = tensor.astype(np.float16) if self.kinds.get(name) == HALF else tensor
+            values = self.session.run(None, {name: given})
         except Exception as error:  # its errors have no common base but Exception
-            raise InputError(
-                self.path, "inputs", f"shapes that it refuses ({first_line(error)})", "the shapes of its kind"
-            ) from None
+            found = f"shapes that it refuses ({first_line(error)})"
+            raise InputError(self.path, "inputs", found, "the shapes of its kind") from None
         return {name: np.asarray(value, np.float32) for name, value in zip(self.outputs, values, strict=True)}
 
     def with_shapes_of(self, width: int, height: int) -> OnnxFile:
@@ -79,9 +77,8 @@ def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
     try:
         session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # its errors have no common base but Exception
-        raise InputError(
-            str(path), "", f"a file that onnxruntime refuses ({first_line(error)})", "an ONNX file"
-        ) from None
+        found = f"a file that onnxruntime refuses ({first_line(error)})"
+        raise InputError(str(path), "", found, "an ONNX file") from None
     inputs, outputs = session.get_inputs(), session.get_outputs()
     return OnnxFile(
         str(path),

@@ -106,9 +106,8 @@ def load_plugin(point: EntryPoint, where: str) -> Any:
                 raise
             raise InputError(where, "", repr(point.name), f"the wing {missing}, which is not installed") from None
         package = point.dist.name if point.dist is not None else "a package"
-        raise InputError(
-            where, "", f"{point.name!r} of {package}, which does not load ({first_line(error)})", point.value
-        ) from None
+        found = f"{point.name!r} of {package}, which does not load ({first_line(error)})"
+        raise InputError(where, "", found, point.value) from None
 
 
 def our_part(group: str, name: str, where: str) -> Any:
@@ -132,7 +131,6 @@ def named_plugin(group: str, name: str, where: str, field: str = "", ours: Seque
     if name not in known:
         names = [*ours, *known]
         listed = f"one of {', '.join(names)}, or" if names else "the name of"
-        raise InputError(
-            where, field, repr(name), f"{listed} an entry point of the group {group}{nearest(name, names)}"
-        )
+        expected = f"{listed} an entry point of the group {group}{nearest(name, names)}"
+        raise InputError(where, field, repr(name), expected)
     return load_plugin(known[name], where)

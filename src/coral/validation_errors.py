@@ -16,15 +16,9 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
     """Convert the first error in a file to one line: dotted field, found, expected; the model knows the valid keys."""
     faults = error.errors(include_url=False)
     fault = faults[0]
+    beside = [other for other in faults if other["loc"][:-1] == fault["loc"][:-1]]
     if fault["type"] == "missing":  # an unknown key beside a missing one is that key, misspelt
-        fault = next(
-            (
-                other
-                for other in faults
-                if other["type"] == "extra_forbidden" and other["loc"][:-1] == fault["loc"][:-1]
-            ),
-            fault,
-        )
+        fault = next((other for other in beside if other["type"] == "extra_forbidden"), fault)
     kind, place, value = fault["type"], _place_in_file(model, fault["loc"]), fault["input"]
     field = _dotted(place)
     if kind in ("extra_forbidden", "invalid_key"):
@@ -39,7 +33,7 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         found = fault["ctx"]["tag"]
         return InputError(where, f"{field}.{tag}", shown(found), f"one of {', '.join(tags)}{nearest(found, tags)}")
     if kind == "missing" and isinstance(place[-1], int):  # an entry of a list, of which all are told at once
-        lacking = sum(other["type"] == "missing" and other["loc"][:-1] == fault["loc"][:-1] for other in faults)
+        lacking = sum(other["type"] == "missing" for other in beside)
         return InputError(where, _dotted(place[:-1]), shown(value), many(len(value) + lacking, "entry", "entries"))
     if kind == "missing":
         return InputError(where, field, "nothing", "a value")

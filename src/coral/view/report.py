@@ -119,25 +119,14 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     lasted = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+    told = [f"The robot {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to its advisor."]
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
-    return (
-        f"The robot {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to its advisor."
-        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}{_false_clusters(metrics)}{_saved_map(run)}"
-    )
-
-
-def _false_clusters(metrics: Mapping[str, Any]) -> str:
-    """Return a sentence about mapped clusters that are none; "" without any."""
-    count = int(metrics.get("phantom_clusters") or 0)
-    if count > 1:
-        return f" {count} of the clusters that it mapped are no oysters."
-    return " One of the clusters that it mapped is no oysters." if count else ""
-
-
-def _saved_map(run: RunFolder) -> str:
-    """Return a sentence about the place of a resumed survey on the saved map; "" for another."""
-    told = run.select("place")
-    return f" Saved map: {place_told(told[-1])}." if told else ""
+    told += [f"{deciding[0].upper()}{deciding[1:]}."] if deciding else []
+    if phantoms := int(metrics.get("phantom_clusters") or 0):
+        mapped = "of the clusters that it mapped"
+        told.append(f"{phantoms} {mapped} are no oysters." if phantoms > 1 else f"One {mapped} is no oysters.")
+    told += [f"Saved map: {place_told(event)}." for event in run.select("place")[-1:]]
+    return " ".join(told)
 
 
 def _fallback(run: RunFolder) -> Fallback:
@@ -156,31 +145,19 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     collisions = int(metrics.get("collisions", 0))
     closest = metrics.get("min_clearance_m")
-    covering = (
-        f"{float(metrics.get('coverage', 0)):.0%}",
-        f"{covered} of {total} clusters",
-        "coverage",
-        "good" if total and covered == total else "",
-    )
+    whole = "good" if total and covered == total else ""
+    covering = (f"{float(metrics.get('coverage', 0)):.0%}", f"{covered} of {total} clusters", "coverage", whole)
     if mission and not total:  # a reef without oysters
         met = sum(verdict == "met" for _, verdict, _ in mission["rows"])
         covering = (mission["verdict"], f"{met} of {len(mission['rows'])} conditions met", "mission", "")
+    passed = f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else ""
+    again = f"{many(int(metrics.get('requeries', 0)), 're-query', 're-queries')} among them"
     return [
         covering,
-        (
-            str(collisions),
-            f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else "",
-            "collisions",
-            "bad" if collisions else "good",
-        ),
+        (str(collisions), passed, "collisions", "bad" if collisions else "good"),
         (clock(float(metrics.get("sim_time_s", 0))), "minutes, simulated", "survey time", ""),
         (f"{float(metrics.get('distance_m', 0)):.0f} m", "along the path", "distance", ""),
-        (
-            str(metrics.get("advisor_calls", 0)),
-            f"{many(int(metrics.get('requeries', 0)), 're-query', 're-queries')} among them",
-            "advisor calls",
-            "",
-        ),
+        (str(metrics.get("advisor_calls", 0)), again, "advisor calls", ""),
         (str(metrics.get("deviations", 0)), "beyond the paper's fixed angles", "deviations", ""),
         *(_inspection_tiles(metrics) if total or not mission else ()),
         *_position_tiles(metrics),

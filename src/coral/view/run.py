@@ -58,6 +58,12 @@ class RunFolder:
         last = [float(times[-1])] if len(times) else [0.0]
         return max(last + [float(event["t"]) for event in self.events[-1:]])
 
+    @property
+    def steps_per_s(self) -> float:
+        """Return the rate of the steps, by which pictures are named."""
+        steps, times = self.column("step"), self.column("t")
+        return float(steps[-1] / times[-1]) if len(times) and steps[-1] > 0 and times[-1] > 0 else 10.0
+
     def column(self, name: str) -> NDArray[np.float64]:
         """Return a column of the trajectory, Shape=(N,); all nan if the file has no such column."""
         if name in self.trajectory:

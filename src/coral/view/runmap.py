@@ -80,12 +80,8 @@ def snapshot(run: RunFolder, t: float) -> Image | None:
 
 def step_at(run: RunFolder, t: float) -> int | None:
     """Return the step of the last snapshot no later than `t` (s), or the first one; None without any."""
-    steps, times = run.column("step"), run.column("t")
-    if not run.frame_steps:
-        return None
-    rate = float(steps[-1] / times[-1]) if len(times) and times[-1] > 0 else 10.0
-    past = [step for step in run.frame_steps if step <= t * rate + 1e-6]
-    return past[-1] if past else run.frame_steps[0]
+    past = [step for step in run.frame_steps if step <= t * run.steps_per_s + 1e-6]
+    return next(iter(past[-1:] or run.frame_steps), None)
 
 
 def _interpolate(run: RunFolder, name: str, t: float, k: int) -> float:

@@ -83,17 +83,8 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
             [t, [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in chain]] for t, chain in chains(run)
         ],
         "decisions": [
-            {
-                "n": d.number,
-                "t": d.t,
-                "end": d.end_s,
-                "mode": d.mode,
-                "cause": d.cause,
-                "tries": len(d.tries),
-                "said": d.tries[-1].said,
-                "verdict": d.outcome,
-                "why": d.tries[-1].why[:600],
-            }
+            {"n": d.number, "t": d.t, "end": d.end_s, "mode": d.mode, "cause": d.cause, "tries": len(d.tries)}
+            | {"said": d.tries[-1].said, "verdict": d.outcome, "why": d.tries[-1].why[:600]}
             for d in made
         ],
     }
@@ -106,13 +97,12 @@ def _frames(run: RunFolder) -> list[dict[str, Any]]:
     if not steps:
         return []
     times = dict(zip(run.column("step").tolist(), run.column("t").tolist(), strict=True))
-    rate = _seconds_per_step(run)
     stride = 1
     while True:
         chosen = sorted({*steps[::stride], steps[-1]})
         frames, size = [], 0
         for step in chosen:
-            frame = {"t": round(times.get(float(step), step * rate), 2), **_snapshot(run, step)}
+            frame = {"t": round(times.get(float(step), step / run.steps_per_s), 2), **_snapshot(run, step)}
             size += sum(len(value) for value in frame.values() if isinstance(value, str))
             if size > FRAME_BUDGET:
                 break
@@ -122,26 +112,19 @@ def _frames(run: RunFolder) -> list[dict[str, Any]]:
         stride = max(stride + 1, math.ceil(stride * len(chosen) / max(len(frames), 1)))
 
 
-def _seconds_per_step(run: RunFolder) -> float:
-    steps, t = run.column("step"), run.column("t")
-    return float(t[-1] / steps[-1]) if len(steps) and steps[-1] > 0 and math.isfinite(t[-1]) else 0.1
-
-
 def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
     """Return small pictures of one moment as data URLs; unreadable ones are left out."""
     found = {}
     cells, labels, depth = (run.frame(step, kind) for kind in ("map", "labels", "depth"))
     if cells is not None:
         found["map"] = map_uri(cells)
-    for key, image in (("seg", (labels, LABEL_COLORS)), ("dep", (depth, DEPTH_PALETTE))):
-        values, palette = image
-        if values is None:
-            continue
-        classes = depth_levels(np.asarray(values * 1e-3, np.float32)) // 8 * 8 if key == "dep" else values
+    if labels is not None:
+        found["seg"] = png_url(palette_png(np.minimum(labels, len(LABEL_COLORS) - 1), LABEL_COLORS))
+    if depth is not None:
         # Coarser depth steps compress to a third; the pure "nothing" colour keeps its own entry.
-        if key == "dep":
-            classes = np.where(values == 0, 255, classes).astype(np.uint8)
-        found[key] = png_url(palette_png(np.minimum(classes, len(palette) - 1), palette))
+        levels = depth_levels(np.asarray(depth * 1e-3, np.float32)) // 8 * 8
+        levels = np.where(depth == 0, 255, levels).astype(np.uint8)
+        found["dep"] = png_url(palette_png(np.minimum(levels, len(DEPTH_PALETTE) - 1), DEPTH_PALETTE))
     colours = run.frame(step, "rgb")
     if colours is not None:
         found["rgb"] = webp_url(colours[..., ::-1], 75)

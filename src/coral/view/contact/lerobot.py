@@ -209,9 +209,10 @@ def _write_tables(found: _Dataset, out: Path, cfg: LerobotCfg) -> None:
         "robot_type": "+".join(sorted(found.robots)),
         "splits": {"train": f"0:{len(found.episodes)}"},
     }
-    _write_json(out / "meta/info.json", info)
     stats: dict[str, Any] = {name: column_stats(values) for name, values in found.columns.items()}
-    _write_json(out / "meta/stats.json", stats | ({CAMERA: found.pictures.stats()} if cfg.pictures else {}))
+    stats |= {CAMERA: found.pictures.stats()} if cfg.pictures else {}
+    for name, content in (("info", info), ("stats", stats)):
+        write_whole(out / f"meta/{name}.json", json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def _features(cfg: LerobotCfg) -> dict[str, Any]:
@@ -245,20 +246,12 @@ def _task_table(tasks: Sequence[str]) -> Any:
     import pyarrow as pa
 
     table = pa.table({"task_index": list(range(len(tasks))), "task": list(tasks)})
-    column = {"field_name": "task", "name": "task", "pandas_type": "unicode", "numpy_type": "object", "metadata": None}
-    number = {
-        "field_name": "task_index",
-        "name": "task_index",
-        "pandas_type": "int64",
-        "numpy_type": "int64",
-        "metadata": None,
-    }
-    pandas = {"index_columns": ["task"], "column_indexes": [], "columns": [number, column], "pandas_version": "2.0.0"}
+    columns = [
+        {"field_name": name, "name": name, "pandas_type": pandas_type, "numpy_type": numpy_type, "metadata": None}
+        for name, pandas_type, numpy_type in (("task_index", "int64", "int64"), ("task", "unicode", "object"))
+    ]
+    pandas = {"index_columns": ["task"], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"}
     return table.replace_schema_metadata({"pandas": json.dumps(pandas)})
-
-
-def _write_json(path: Path, content: Any) -> None:
-    write_whole(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def _write_video(path: Path, pictures: Iterator[Image], stats: PictureStats, cfg: LerobotCfg) -> None:

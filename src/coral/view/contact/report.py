@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -86,13 +87,11 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         contacts=[
             (
                 f"{e['first']} – {e['second']}",
-                f"{float(e['begun_s']):.2f}",
-                f"{float(e['ended_s']):.2f}",
-                f"{float(e['mean_n']):.1f}",
-                f"{float(e['peak_n']):.1f}",
+                *(f"{float(e[name]):.2f}" for name in ("begun_s", "ended_s")),
+                *(f"{float(e[name]):.1f}" for name in ("mean_n", "peak_n")),
             )
-            for e in touching(run)
-        ][:200],
+            for e in touching(run)[:200]
+        ],
         beliefs=_beliefs(run, start),
         rows=metric_rows(metrics, DEFINITIONS),
         **origin(run, ("task", "world", "variant", "advisor", "seed", "poses", "tracker"), tuple(run.timing)),
@@ -137,18 +136,6 @@ def _who_decided(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     return f"{said[0].upper()}{said[1:]}." if said else ""
 
 
-def _judged(metrics: Mapping[str, Any]) -> str:
-    """Return who judged, if it was not the simulator."""
-    who = metrics.get("judged_by", "truth")
-    return "" if who == "truth" else f", judged by {who}"
-
-
-def _force_remark(peak: float | None, mean: float | None) -> str:
-    if peak is None:
-        return "contacts are not measured"
-    return f"mean {mean:.1f} N" if mean is not None else "no touch"
-
-
 def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Return (value, remark, name, state) of the key numbers."""
     if not metrics:
@@ -158,24 +145,19 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
     mean, peak = metrics.get("mean_hand_force_n"), metrics.get("peak_hand_force_n", 0)
     wall = run.timing.get("wall_time_s")
     whole = float(metrics.get("time_with_thinking_s", 0.0))
-    thinking = f", {whole:.1f} s with thinking" if whole > float(metrics.get("sim_time_s", 0.0)) else ""
+    seconds = float(metrics.get("sim_time_s", 0))
+    thinking = f", {whole:.1f} s with thinking" if whole > seconds else ""
+    lasted = f"simulated{thinking}{f'; {wall:.0f} s on this machine' if wall else ''}"
+    ended = ": ".join(filter(None, (END_REASONS.get(reason.partition(":")[0], reason), reason.partition(": ")[2])))
+    who = metrics.get("judged_by", "truth")
+    judged = "" if who == "truth" else f", judged by {who}"
+    felt = "contacts are not measured" if peak is None else "no touch" if mean is None else f"mean {mean:.1f} N"
     return [
-        (
-            "yes" if success else "no",
-            ": ".join(filter(None, (END_REASONS.get(reason.partition(":")[0], reason), reason.partition(": ")[2])))
-            + _judged(metrics),
-            "success",
-            "good" if success else "bad",
-        ),
-        (
-            f"{float(metrics.get('sim_time_s', 0)):.1f} s",
-            f"simulated{thinking}; {wall:.0f} s on this machine" if wall else f"simulated{thinking}",
-            "time",
-            "",
-        ),
+        ("yes" if success else "no", ended + judged, "success", "good" if success else "bad"),
+        (f"{seconds:.1f} s", lasted, "time", ""),
         (str(metrics.get("plans", 0)), f"{median:.0f} ms each (median)" if median else "", "plans", ""),
         (str(metrics.get("stages", 0)), str(metrics.get("strategy", "")), "changes of stage", ""),
-        ("unknown" if peak is None else f"{float(peak):.0f} N", _force_remark(peak, mean), "largest force", ""),
+        ("unknown" if peak is None else f"{float(peak):.0f} N", felt, "largest force", ""),
         (str(metrics.get("advisor_calls", 0)), f"{metrics.get('repairs', 0)} repairs", "advisor calls", ""),
     ]
 
@@ -202,37 +184,26 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
     note = f"Distance of each tracked pose from the true one, modulo symmetry; no decision uses it. {tracks(run)}"
     trial.append(("Tracking", note, tracking_chart(run, objects)))
     if run.select("plan"):
-        trial[1:1] = [
-            (
-                "Cost, term by term",
-                "Expected value of each term over the horizon, at every plan; dashed: the "
-                "stage changed, and with it the terms.",
-                cost_chart(run),
-            )
-        ]
+        dashed = (
+            "Expected value of each term over the horizon, at every plan; dashed: the stage changed, and with it the "
+        )
+        trial.insert(1, ("Cost, term by term", f"{dashed}terms.", cost_chart(run)))
         meaning = "How many of a plan's samples share its weight: at 1 the best one decides alone."
         trial.append(("Effective samples", meaning, samples_chart(run)))
     return trial
 
 
-def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, str, str]]:
+def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, ...]]:
     """Return for each object: size, true mass, believed mass, true friction, believed friction."""
     truth = start.get("trial")
     held = [event["beliefs"] for event in run.select("strategy") if event.get("beliefs")]
     if not isinstance(truth, dict) or not held:
         return []
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, item in truth.items():
         believed = held[-1][0].get(name, {})
         size = " × ".join(f"{100 * float(v):.1f}" for v in item["size_m"])
-        rows.append(
-            (
-                name,
-                f"{size} cm",
-                f"{item['mass_kg']:.3f} kg",
-                f"{believed.get('mass_kg', float('nan')):.3f} kg",
-                f"{item['friction']:.2f}",
-                f"{believed.get('friction', float('nan')):.2f}",
-            )
-        )
+        masses = (f"{of.get('mass_kg', math.nan):.3f} kg" for of in (item, believed))
+        frictions = (f"{of.get('friction', math.nan):.2f}" for of in (item, believed))
+        rows.append((name, f"{size} cm", *masses, *frictions))
     return rows
