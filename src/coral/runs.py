@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from coral.errors import InputError, naming, without_password
-from coral.file_writer import PRIVATE, open_log, write_whole
+from coral.file_writer import PRIVATE, open_log, write_whole, writing
 from coral.foreign_file import parse_json, read_log_lines
 from coral.odd_text import encodable, encodable_values
 from coral.package_version import __version__
@@ -34,13 +34,11 @@ class RunWriter:
             InputError: The folder is not empty, or cannot be written.
         """
         self.folder = folder
-        try:
+        with writing(folder, "--out", "a folder that can be written"):
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
             require_empty(folder)
             self._events, self._rows = open_log(folder / RunFiles.EVENTS), open_log(folder / RunFiles.TRAJECTORY)
             self._rows.write(",".join(columns) + "\n")
-        except OSError as error:
-            raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Append one event."""
@@ -91,11 +89,9 @@ def require_empty(folder: Path) -> None:
     Raises:
         InputError: It does, or it cannot be read.
     """
-    try:
+    with writing(folder, "--out", "a folder that can be written"):
         if folder.exists() and any(folder.iterdir()):
             raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
-    except OSError as error:
-        raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
 
 
 def read_events(path: Path) -> Iterator[dict[str, Any]]:

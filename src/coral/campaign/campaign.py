@@ -57,20 +57,17 @@ def run_campaign(
     progress.begin(len(specs), found, executor.jobs)
     finished = failed = 0
     tasks = [EpisodeTask(spec, store.scratch(spec)) for spec in pending]
-    try:
-        with closing(cast(Any, executor.run(episode, tasks))) as outcomes:
-            for outcome in outcomes:
-                _check_version(outcome, mix)
-                if outcome.no_room:
-                    raise RunError(f"{outcome.message}; make room, and the same command continues")
-                if outcome.result is None:
-                    store.fail(outcome.spec, outcome.message, outcome.detail, outcome.about)
-                    failed += 1
-                elif store.finish(outcome.spec, outcome.result, outcome.about):
-                    finished += 1
-                progress.ended(outcome)
-    finally:
-        progress.close()
+    with closing(progress), closing(cast(Any, executor.run(episode, tasks))) as outcomes:
+        for outcome in outcomes:
+            _check_version(outcome, mix)
+            if outcome.no_room:
+                raise RunError(f"{outcome.message}; make room, and the same command continues")
+            if outcome.result is None:
+                store.fail(outcome.spec, outcome.message, outcome.detail, outcome.about)
+                failed += 1
+            elif store.finish(outcome.spec, outcome.result, outcome.about):
+                finished += 1
+            progress.ended(outcome)
     return Summary(len(specs), found, finished, failed)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.spec import Spec
 from coral.errors import InputError
-from coral.file_writer import open_log, write_whole
+from coral.file_writer import open_log, write_whole, writing
 from coral.foreign_file import read_json
 
 FORMAT = "coral-campaign/1"
@@ -40,31 +40,20 @@ class Store:
         Raises:
             InputError: The folder cannot be written, contains other files, or another campaign writes to it.
         """
-        try:
+        where = str(self.folder)
+        with writing(where, "--out", "a folder that can be written"):
             self.folder.mkdir(parents=True, exist_ok=True)
             strangers = [p.name for p in self.folder.iterdir() if not p.name.startswith(".")]
             if strangers and not self.manifest_path.exists():
-                raise InputError(
-                    str(self.folder),
-                    "--out",
-                    f"a folder with other things in it ({strangers[0]})",
-                    "a new or empty folder, or one that a campaign made",
-                )
+                found = f"a folder with other things in it ({strangers[0]})"
+                raise InputError(where, "--out", found, "a new or empty folder, or one that a campaign made")
             handle = open_log(self.folder / ".lock", new=False)
-        except OSError as error:
-            raise InputError(
-                str(self.folder), "--out", error.strerror or error, "a folder that can be written"
-            ) from None
         with handle:
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                raise InputError(
-                    str(self.folder),
-                    "--out",
-                    "a campaign that is still running",
-                    "a folder that no other process writes to",
-                ) from None
+                expected = "a folder that no other process writes to"
+                raise InputError(where, "--out", "a campaign that is still running", expected) from None
             yield
 
     def manifest(self) -> Record:
@@ -100,24 +89,19 @@ class Store:
         known: dict[str, str] = old["conditions"]
         for name, value in conditions.items():
             if not mix and known.get(name, value) != value:
-                raise InputError(
-                    str(self.folder),
-                    name,
-                    f"results made with {known[name]} (now: {value})",
-                    "the same as before, a new --out, or --mix to put both into one table",
-                )
+                found = f"results made with {known[name]} (now: {value})"
+                expected = "the same as before, a new --out, or --mix to put both into one table"
+                raise InputError(str(self.folder), name, found, expected)
         wanted = dict.fromkeys([*(Spec.from_json(content) for content in old["specs"]), *specs])
         commands = [*old["commands"], *([command] if command and command not in old["commands"] else [])]
-        self._write(
-            self.manifest_path,
-            {
-                "format": FORMAT,
-                "conditions": {**known, **conditions},
-                "about": {**old.get("about", {}), **(about or {})},
-                "commands": commands,
-                "specs": [spec.to_json() for spec in wanted],
-            },
-        )
+        manifest = {
+            "format": FORMAT,
+            "conditions": {**known, **conditions},
+            "about": {**old.get("about", {}), **(about or {})},
+            "commands": commands,
+            "specs": [spec.to_json() for spec in wanted],
+        }
+        self._write(self.manifest_path, manifest)
         self._sweep()
 
     def specs(self) -> tuple[Spec, ...]:
@@ -158,14 +142,9 @@ class Store:
 
     def records(self) -> list[Record]:
         """Return every recorded episode, finished or failed, in the order of the grid."""
-        found = []
-        for spec in self.specs():
-            for kind in (CampaignFiles.EPISODES, CampaignFiles.FAILURES):
-                content = _read(self.folder / kind / f"{spec.key}.json")
-                if content is not None:
-                    found.append(content)
-                    break
-        return found
+        done, failed = self.folder / CampaignFiles.EPISODES, self.folder / CampaignFiles.FAILURES
+        found = (_read(done / f"{spec.key}.json") or _read(failed / f"{spec.key}.json") for spec in self.specs())
+        return [record for record in found if record is not None]
 
     def _keep(self, spec: Spec) -> None:
         """Move the episode's files to their place, replacing those of a run without a record."""

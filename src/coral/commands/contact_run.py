@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -152,9 +153,8 @@ class ContactRun:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
             if self.page.live:
-                raise InputError(
-                    "--live", "", f"with --policy {self.policy}", "a planner: a policy has no costs to show"
-                )
+                expected = "a planner: a policy has no costs to show"
+                raise InputError("--live", "", f"with --policy {self.policy}", expected)
             return self._run_policy(self.policy, trial, cfg)
         cost = None if self.cost is None else own_cost(self.cost, trial, cfg)
         unanswered = cost is None and self._is_unanswered(task.name)
@@ -189,11 +189,8 @@ class ContactRun:
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
         with watching(self.page, "contact", episode) as viewers:
-            progress = EpisodeProgress(quiet=self.quiet)
-            try:
+            with closing(EpisodeProgress(quiet=self.quiet)) as progress:
                 result = episode.run([progress, *viewers])
-            finally:
-                progress.close()
             policy, recording = cfg.think.fallback, _recorder(episode.advisor)
             decided = who_decided(result, things="decisions", fallback=policy, recording=recording)
             made = render(folder, report=cfg.record.report, video=cfg.record.video)
@@ -201,13 +198,9 @@ class ContactRun:
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""
-        progress = EpisodeProgress(quiet=self.quiet)
-        try:
-            result, folder = our_part("policy", "served", "--policy")(
-                policy, trial, self.arm.world, cfg, self.out, [progress], taken=VARIANTS
-            )
-        finally:
-            progress.close()
+        run = our_part("policy", "served", "--policy")
+        with closing(EpisodeProgress(quiet=self.quiet)) as progress:
+            result, folder = run(policy, trial, self.arm.world, cfg, self.out, [progress], taken=VARIANTS)
         made = render(folder, report=cfg.record.report, video=cfg.record.video)
         return {**result, "run": str(folder), **made}
 
@@ -220,11 +213,12 @@ class ContactRun:
         peak = result["peak_hand_force_n"]
         force = "contact forces unknown" if peak is None else f"at most {peak:.0f} N on an object"
         thinking = f" ({whole_s:.1f} s with thinking)" if whole_s > result["sim_time_s"] else ""
+        count = many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
+        judged = "" if result["judged_by"] == "truth" else f"; judged by {result['judged_by']}"
         how = (
             f" after {result['sim_time_s']:.1f} s simulated{thinking} in {result['wall_time_s']:.0f} s (start and "
             "report not counted); "
-            f"{_count(result)} of {result['plan_ms_median']:.0f} ms, {result['path_length_m']:.2f} m of path, "
-            f"{force}{_judged(result)}"
+            f"{count} of {result['plan_ms_median']:.0f} ms, {result['path_length_m']:.2f} m of path, {force}{judged}"
         )
         outcome = f"{self.task}: {reason}{why}{how if result['steps'] else ' before anything moved'}"
         return "\n".join([outcome, f"run folder: {result['run']}", *list_made(result)])
@@ -236,15 +230,6 @@ def _operator(cfg: EpisodeCfg) -> KeyboardVerdict | None:
         return None
     tell(HINT)
     return KeyboardVerdict()
-
-
-def _judged(result: Mapping[str, Any]) -> str:
-    """Say who judged, if it was not the simulator."""
-    return "" if result["judged_by"] == "truth" else f"; judged by {result['judged_by']}"
-
-
-def _count(result: Mapping[str, Any]) -> str:
-    return many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
 
 
 def _recorder(advisor: str) -> str:

@@ -12,6 +12,7 @@ from coral.flags import Argument
 from coral.foreign_file import read_text
 from coral.interrupts import wait_for_interrupt
 from coral.terminal import tell
+from coral.words import many
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
 TOKEN_BYTES = 1000
@@ -47,5 +48,4 @@ class Desk:
         return {"inbox": str(self.inbox), "host": self.host, "port": server.access.port, "answered": server.answered}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        n = result["answered"]
-        return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"
+        return f"the desk is closed; {many(result['answered'], 'answer')} went into {result['inbox']}"

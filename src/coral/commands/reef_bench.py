@@ -5,6 +5,8 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -137,7 +139,8 @@ class ReefBench(CampaignFlags):
             raise InputError("--study", "", " ".join(self.study or ()), "words, or nothing")
         if self.collect:
             return collect_only(self.out, self._collect)
-        store, worlds = Store(self.out), self._worlds()
+        store, names = Store(self.out), expand_names(parse_names(self.worlds, "--worlds"))
+        worlds = {name: find_world(name) for name in names}
         specs = self._specs(worlds)
         episode = ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox)
         conditions = self._conditions(worlds)
@@ -146,12 +149,8 @@ class ReefBench(CampaignFlags):
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        several = len(parse_names(self.variants, "--variants")) > 1
-        shown = SHOWN if several else SHOWN_OF_ONE
+        shown = SHOWN if len(parse_names(self.variants, "--variants")) > 1 else SHOWN_OF_ONE
         return describe_campaign(self.out, result, "mission", ("data", "tables"), shown)
-
-    def _worlds(self) -> dict[str, ReefWorld]:
-        return {name: find_world(name) for name in expand_names(parse_names(self.worlds, "--worlds"))}
 
     @property
     def _keep(self) -> frozenset[str]:
@@ -227,15 +226,10 @@ class ReefBench(CampaignFlags):
 
     def _kept_words(self) -> list[str]:
         """Return flags for what a preset must leave at its default."""
-        mission: dict[str, Any] = to_mapping(self.cfg)
-        words = []
-        for key in dict.fromkeys(key for name in self._presets for key in named(name).values if key in self.given):
-            value: Any = mission
-            for part in key.split("."):
-                value = value[part]
-            if (flag := f"--cfg.{key.replace('_', '-')}") not in config_words(self.cfg, mission_alone(), self.config):
-                words += [flag, str(value)]
-        return words
+        mission, told = to_mapping(self.cfg), config_words(self.cfg, mission_alone(), self.config)
+        keys = dict.fromkeys(key for name in self._presets for key in named(name).values if key in self.given)
+        flags = {f"--cfg.{key.replace('_', '-')}": reduce(getitem, key.split("."), mission) for key in keys}
+        return [word for flag, value in flags.items() if flag not in told for word in (flag, str(value))]
 
 
 SHOWN = ("Sweep", "Effects", "All variants", "Table I, differences", "Table II, differences")

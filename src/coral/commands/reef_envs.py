@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from coral.disk_cache import code_stamp, recall
-from coral.errors import InputError
+from coral.file_writer import writing
 from coral.flags import Argument
 from coral.plugins import our_part
 from coral.reef.world.world_names import shipped_worlds
@@ -39,18 +39,11 @@ class ReefEnvs:
             from coral.runs import file_stem
 
             preview, preview_sheet = (our_part("preview", part, "--preview") for part in ("one", "sheet"))
-
-            try:
+            columns = min(8 if len(worlds) > 20 else 5, len(worlds))
+            with writing("--preview", str(self.preview), "a folder that can be written"):
                 self.preview.mkdir(parents=True, exist_ok=True)
                 result["previews"] = [str(preview(w, self.preview / f"{file_stem(w.name)}.png")) for w in worlds]
-                result["sheet"] = str(
-                    preview_sheet(
-                        worlds, self.preview / "sheet.png", columns=min(8 if len(worlds) > 20 else 5, len(worlds))
-                    )
-                )
-            except OSError as error:
-                reason = error.strerror or error
-                raise InputError("--preview", str(self.preview), reason, "a folder that can be written") from None
+                result["sheet"] = str(preview_sheet(worlds, self.preview / "sheet.png", columns=columns))
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:

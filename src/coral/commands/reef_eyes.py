@@ -177,17 +177,9 @@ class ReefEyes:
                 f"| {100 * row['said']:.0f} % | {100 * row['true']:.0f} % |"
                 for row in result["rows"]
             ]
-            table = (
-                [
-                    "| left out | IoU | precision | recall | oysters, said | outlined |",
-                    "|---|---|---|---|---|---|",
-                    *rows,
-                ]
-                if rows
-                else []
-            )
+            head = ["| left out | IoU | precision | recall | oysters, said | outlined |", "|---|---|---|---|---|---|"]
             made = f"{result['file']}, from {result['pictures']} painted and {result['real']} real pictures"
-            return "\n".join([*table, made])
+            return "\n".join([*(head if rows else ()), *rows, made])
         bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
         lines = [
             f"| water | pictures | what | {' | '.join(bands)} |",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from coral.errors import InputError
+from coral.file_writer import writing
 from coral.flags import Option
 from coral.foreign_file import parse_json
 from coral.plugins import our_part
@@ -42,9 +43,9 @@ class ReefGenerate:
             raise InputError("--out", str(self.out), "a file that exists", "a new file")
         if self.preview is not None:
             preview = our_part("preview", "one", "--preview")
-            with _name_write_errors("--preview", self.preview):
+            with writing("--preview", str(self.preview)):
                 preview(world, self.preview)
-        with _name_write_errors("--out", self.out):
+        with writing("--out", str(self.out)):
             self.out.parent.mkdir(parents=True, exist_ok=True)
             save_world(world, self.out, f"Made by: {command_line(cfg, self.out.name)}")
         return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
@@ -72,14 +73,6 @@ def _name_flags() -> Iterator[None]:
         flag = "--polyline" if key == "spine" else f"--{key.replace('_', '-')}"
         point = f"point {int(rest.split('[')[1].rstrip(']')) + 1}" if "[" in rest else ""
         raise InputError(flag, point, error.found, error.expected.replace("size_m", "--size-m")) from None
-
-
-@contextmanager
-def _name_write_errors(flag: str, path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise InputError(flag, str(path), error.strerror or error, "a file that can be written") from None
 
 
 def _points(text: str) -> tuple[tuple[float, float], ...]:

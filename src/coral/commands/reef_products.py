@@ -90,11 +90,12 @@ def _compared(truth: TruthComparison) -> dict[str, Any]:
 
 def describe_products(result: Mapping[str, Any]) -> str:
     """Describe the products in a few lines."""
+    why = str(result["not_judged"])
     lines = [
-        f"{result['recording']}: {_uncapped(result['not_judged'])}; oysters may cover "
+        f"{result['recording']}: {why[:1].lower()}{why[1:]}; oysters may cover "
         f"{result['oyster_area_low_m2']:.0f} to {result['oyster_area_high_m2']:.2f} m² of what they show, "
         f"{many(result['keyframes'], 'picture')}"
-        if result["not_judged"]
+        if why
         else f"{result['recording']}: oysters cover {result['oyster_area_m2']:.2f} m² "
         f"({result['oyster_area_low_m2']:.2f} to {result['oyster_area_high_m2']:.2f} m²) in "
         f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
@@ -129,7 +130,3 @@ def describe_products(result: Mapping[str, Any]) -> str:
         lines.append("not placed on Earth: --datum LAT,LON gives the latitude and longitude of the start")
     lines += [f"page: {result['page']}", f"files: {result['products']}"]
     return "\n".join(lines)
-
-
-def _uncapped(text: str) -> str:
-    return text[:1].lower() + text[1:]

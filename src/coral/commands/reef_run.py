@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -148,19 +149,16 @@ class ReefRun:
         if asks_people and not self.quiet:
             tell(f"to answer its questions in a browser: coral desk {inbox}")
         with watching(self.page, "reef", mission) as viewers:
-            try:
-                with mission_notice(asks_people, inbox, mission.instructing, **about) as notice:
-                    if notice is not None:
-                        mission.listeners.append(notice.hear)
-                    result = mission.run([progress, *viewers])
-                    if notice is not None:
-                        notice.finished(
-                            f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
-                            f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
-                            f"{result['end_reason']}"
-                        )
-            finally:
-                progress.close()
+            with closing(progress), mission_notice(asks_people, inbox, mission.instructing, **about) as notice:
+                if notice is not None:
+                    mission.listeners.append(notice.hear)
+                result = mission.run([progress, *viewers])
+                if notice is not None:
+                    notice.finished(
+                        f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
+                        f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
+                        f"{result['end_reason']}"
+                    )
             decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
             made = render(folder, report=cfg.record.report, video=cfg.record.video)
             return {**result, "decided": decided, "run": str(folder), **made}
@@ -214,13 +212,9 @@ def fulfilled(result: Mapping[str, Any]) -> list[str]:
 def still_left(result: Mapping[str, Any]) -> list[str]:
     """Return a line about what the robot knew of and did not finish, and one about the time it did not survey."""
     left, states = result.get("clusters_left"), result.get("seconds_in_state") or {}
-    stood = ", ".join(
-        f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states
-    )
-    return [
-        *([f"not fully inspected, by the robot's own map: {many(left, 'cluster')}"] if left else []),
-        *([f"not surveying: {stood}"] if stood else []),
-    ]
+    stood = [f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states]
+    lines = [f"not fully inspected, by the robot's own map: {many(left, 'cluster')}"] if left else []
+    return [*lines, *([f"not surveying: {', '.join(stood)}"] if stood else [])]
 
 
 class FallbackNotice:

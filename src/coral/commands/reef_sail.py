@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -158,12 +158,8 @@ class ReefSail:
         for line in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(line)
         if self.yes and not parts.proven_simulation:
-            raise InputError(
-                "--yes",
-                "",
-                f"{self.vehicle}, which may be a real vehicle",
-                "--vehicle simulated, or --truth of a simulation",
-            )
+            found = f"{self.vehicle}, which may be a real vehicle"
+            raise InputError("--yes", "", found, "--vehicle simulated, or --truth of a simulation")
         folder = self.out or new_run_folder(Path("runs"), f"{area.name}-sail")
         advisor = self._advisor(folder, cfg)
         if not self.check:
@@ -224,9 +220,10 @@ class ReefSail:
         )
         with (
             noticed as notice,
-            self._page(mission) as observers,
+            ExitStack() as shown,
             survey_told(mission, self._say, None if notice is None else notice.hear),
         ):
+            observers = [*self._observers(mission, shown)]
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
@@ -248,9 +245,8 @@ class ReefSail:
         cfg = with_camera_latency(with_sonar(cfg, self.sonar != "none"), self.camera_latency)
         cfg = dataclasses.replace(cfg, perception=self.perception or cfg.perception)
         if self.lens is not None and self.camera == "simulated":
-            raise InputError(
-                "--lens", "", "--camera simulated", "a real camera (--cfg.simulator.camera is the simulated)"
-            )
+            expected = "a real camera (--cfg.simulator.camera is the simulated)"
+            raise InputError("--lens", "", "--camera simulated", expected)
         if cfg.decider in ("sweep", "oracle", "reader"):
             found = f"{cfg.decider}, which only a simulation has"
             raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")
@@ -303,30 +299,23 @@ class ReefSail:
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
         self._say(f"armed. {HELP}{f'  {HELP_INSTRUCT}' if mission.instruction else ''}")
 
-    @contextmanager
-    def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
-        with ExitStack() as opened:
-            yield [*self._topics(mission, opened), *self._live(mission, opened)]
-
-    def _topics(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
+    def _observers(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
+        """Open what shows the survey elsewhere, as topics and on a page."""
         kind, _, place = self.vehicle.partition(":")
         if kind == "ros2":
             topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words, mission.instructing)
             opened.callback(topics.close)
             yield topics
+        if self.live:
+            from coral.view.live.controls import SurveyControls
+            from coral.view.live.viewer import Viewer
+            from coral.view.live.watching import WatchedSurvey, reef_sketch
 
-    def _live(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
-        if not self.live:
-            return
-        from coral.view.live.controls import SurveyControls
-        from coral.view.live.viewer import Viewer
-        from coral.view.live.watching import WatchedSurvey, reef_sketch
-
-        controls = SurveyControls(mission.crew.words, mission.instructing)
-        viewer = opened.enter_context(Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port"))
-        self._say(f"watch and steer the survey at {viewer.url}")
-        opened.callback(lambda: viewer.stay() if viewer.watched else None)
-        yield WatchedSurvey(viewer, None, reef_sketch, real_time=True)
+            controls, folder = SurveyControls(mission.crew.words, mission.instructing), mission.record.folder
+            viewer = opened.enter_context(Viewer(folder, controls, port=self.live_port, flag="--live-port"))
+            self._say(f"watch and steer the survey at {viewer.url}")
+            opened.callback(lambda: viewer.stay() if viewer.watched else None)
+            yield WatchedSurvey(viewer, None, reef_sketch, real_time=True)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         if self.check:

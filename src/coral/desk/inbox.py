@@ -16,7 +16,7 @@ from coral.advisor.parse import MAX_CHARS
 from coral.desk.notice import change_file, is_alive
 from coral.desk.schema import SchemaFault, faults
 from coral.errors import InputError
-from coral.file_writer import PRIVATE, write_whole
+from coral.file_writer import PRIVATE, write_whole, writing
 from coral.foreign_file import parse_json, regular_bytes
 from coral.odd_text import encodable
 
@@ -85,10 +85,8 @@ class Inbox:
         self.folder = folder
         if folder.exists() and not folder.is_dir():
             raise InputError(str(folder), "INBOX", "a file", "a folder")
-        try:
+        with writing(folder, "INBOX", "a folder that can be written"):
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(str(folder), "INBOX", error.strerror or error, "a folder that can be written") from None
         if not os.access(folder, os.R_OK | os.W_OK | os.X_OK):
             raise InputError(str(folder), "INBOX", "a folder without access", "a folder that can be read and written")
         self._settled: dict[str, tuple[InboxEntry, str]] = {}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import io
 from collections.abc import Mapping
 from html import escape
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from coral.drawing import png_url
 from coral.reef.pictures.mapview import draw_map
 from coral.run_files import SurveyFiles
 from coral.view.run import RunFolder, read_table
@@ -65,8 +65,7 @@ def html_of(title: str, values: Mapping[str, Any], figure: Figure) -> str:
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=90)
     cells = "".join(f"<td>{escape(name)}<br><b>{escape(str(value))}</b></td>" for name, value in values.items())
-    data = base64.b64encode(picture.getvalue()).decode()
-    image = f'<img alt="plot of the run" src="data:image/png;base64,{data}">'
+    image = f'<img alt="plot of the run" src="{png_url(picture.getvalue())}">'
     return f"<p>{escape(title)}</p><table><tr>{cells}</tr></table>{image}"
 
 
