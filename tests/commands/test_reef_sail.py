@@ -48,6 +48,6 @@ def test_whoever_sails_over_ros_2_can_change_the_instruction(monkeypatch):
     words, mission = OperatorWords(), SimpleNamespace(instructing=print)
     mission.crew = SimpleNamespace(words=words)
     with ExitStack() as opened:
-        assert len(list(ReefSail(area="s1", vehicle="ros2:/rov")._topics(mission, opened))) == 1
-        assert list(ReefSail(area="s1")._topics(mission, opened)) == []
+        assert len(list(ReefSail(area="s1", vehicle="ros2:/rov")._observers(mission, opened))) == 1
+        assert list(ReefSail(area="s1")._observers(mission, opened)) == []
     assert made == [("/rov", words, print), "closed"]

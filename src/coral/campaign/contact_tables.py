@@ -24,7 +24,7 @@ from coral.campaign.columns import (
     successes,
     tabulate,
 )
-from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, share
+from coral.campaign.decided import advisors, decided_table, left_out, made_by, mark_notes, share
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import sign_test
 from coral.campaign.table import Table
@@ -85,10 +85,9 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
 
     `about` are the conditions of the campaign: commit, machine.
     """
-    advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
     for place, there in group_by(rows, _place).items():
-        for advisor in advisors:
+        for advisor in advisors(rows):
             here = [row for row in there if row["advisor"] in (advisor, NO_ADVISOR)]
             chosen = [row for row in here if row["status"] == "done"]
             source = _source(chosen, [row for row in here if row["status"] == "failed"], about, command)

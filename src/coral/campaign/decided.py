@@ -8,6 +8,7 @@ from typing import Any
 
 from coral.advisor.attribution import FATES, SOURCES, Source
 from coral.campaign.columns import Column, Group, Measure, Row, column_measure, count, counts, tabulate
+from coral.campaign.spec import NO_ADVISOR
 from coral.campaign.table import Table
 
 COSTS = (
@@ -16,6 +17,11 @@ COSTS = (
     column_measure("cost", "cost (USD)", "cost_usd", digits=4),
     column_measure("thinking", "thinking (s)", "thinking_s"),
 )
+
+
+def advisors(rows: Sequence[Row]) -> list[str]:
+    """Return the advisors of these rows, each once."""
+    return list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
 
 
 def share(source: Source) -> Measure:

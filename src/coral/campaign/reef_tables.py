@@ -26,7 +26,7 @@ from coral.campaign.columns import (
     pair,
     tabulate,
 )
-from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, share
+from coral.campaign.decided import advisors, decided_table, left_out, made_by, mark_notes, share
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import FEW_WORLDS
 from coral.campaign.sweep import CLEAR, NOMINAL, by_preset, in_order, setting_text
@@ -105,16 +105,8 @@ WORDS = (
 )
 TABLE_I = ("dream", "pd", "full")
 TABLE_II = (
-    "full",
-    "paper",
-    "no-verification",
-    "no-centroid-selection",
-    "rule-based",
-    "no-trigger",
-    "no-ddp",
-    "no-cost-to-go",
-    "no-cost-to-go-no-ddp",
-    "no-topology",
+    *("full", "paper", "no-verification", "no-centroid-selection", "rule-based", "no-trigger", "no-ddp"),
+    *("no-cost-to-go", "no-cost-to-go-no-ddp", "no-topology"),
 )
 TABLE_III = ("L", "S", "O", "K", "E")
 BASELINES = ("blind-sweep", "random", "random-unchecked", "oracle")
@@ -179,18 +171,14 @@ def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> 
     tables = []
     for preset, of_preset in presets.items():
         told = "" if list(presets) == [CLEAR] else f" Preset: {preset}."
-        for advisor in _advisors(rows):
+        for advisor in advisors(rows):
             own = [row for row in of_preset if row["advisor"] in (advisor, NO_ADVISOR)]
             source = partial(_source, advisor=advisor, about=about, command=command)
             made = _nominal_tables([row for row in own if row["overrides"] == "{}"], advisor, source)
             for variant, swept in group_by(own, lambda row: row["variant"]).items():
                 made += _sweep_tables(swept, f"{name(variant)}. Advisor: {called(advisor)}.", source)
             tables += [replace(table, caption=f"{table.caption}{told}") for table in made]
-    return [table for table in (*tables, _effects(presets, _advisors(rows))) if table.rows]
-
-
-def _advisors(rows: Sequence[Row]) -> list[str]:
-    return list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+    return [table for table in (*tables, _effects(presets, advisors(rows))) if table.rows]
 
 
 def _by_variant(rows: Sequence[Row]) -> dict[str, list[Row]]:
@@ -353,17 +341,12 @@ def _effects(presets: Mapping[str, Sequence[Row]], advisors: Sequence[str]) -> T
     found = {condition: own for condition, own in found.items() if own}
     judged = any(RESTRICTED.of(row) is not None for own in presets.values() for row in own)
     variants = dict.fromkeys(variant for own in found.values() for variant in own if variant != REFERENCE)
-    lines = tuple(
-        (
-            name(variant),
-            *(
-                difference_text(difference(own.get(variant, []), own.get(REFERENCE, []), RESTRICTED), 0)
-                for own in found.values()
-            ),
-        )
-        for variant in variants
-        if len(found) > 1 and judged
-    )
+
+    def slower(variant: str, own: Mapping[str, Sequence[Row]]) -> str:
+        return difference_text(difference(own.get(variant, []), own.get(REFERENCE, []), RESTRICTED), 0)
+
+    shown = variants if len(found) > 1 and judged else ()
+    lines = tuple((name(variant), *(slower(variant, own) for own in found.values())) for variant in shown)
     what = f"Difference from {name(REFERENCE)} in the time to 90 % inspected (s), {HORIZON_S:.0f} s where never"
     return Table("Effects", f"{what}: above zero is slower.", ("variant", *found), lines, (UNTOLD,))
 

@@ -35,9 +35,8 @@ class AdvisorShow:
         if self.kind == "list":
             return {"kinds": kinds()}
         if self.kind not in kinds():
-            raise InputError(
-                "KIND", "", repr(self.kind), f"list, or one of {', '.join(kinds())}{nearest(self.kind, kinds())}"
-            )
+            expected = f"list, or one of {', '.join(kinds())}{nearest(self.kind, kinds())}"
+            raise InputError("KIND", "", repr(self.kind), expected)
         pictures: dict[str, Path] = {}
         with tempfile.TemporaryDirectory() as scratch:
             if self.kind.startswith("reef-"):
@@ -45,28 +44,22 @@ class AdvisorShow:
             else:
                 samples = parse_json(read_text(FOLDER / "samples.json", "a file of this package"))
                 prompt = render(self.kind, samples[self.kind])[0]
-            written = self._write(prompt, pictures) if self.out else []
-        return {
-            "kind": self.kind,
-            "version": version(self.kind),
-            "prompt": prompt,
-            "pictures": list(pictures),
-            "written": written,
-        }
-
-    def _write(self, prompt: str, pictures: Mapping[str, Path]) -> list[str]:
-        folder = self.out
-        assert folder is not None
-        with writing("--out", str(folder), "a folder that can be written"):
-            write_whole(folder / "prompt.md", encodable(prompt))
-            for name, picture in pictures.items():
-                write_whole(folder / f"{name}.png", read_bytes(picture, "a picture", PICTURE_BYTES))
-        return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
+            written = _write(self.out, prompt, pictures) if self.out else []
+        about = {"kind": self.kind, "version": version(self.kind), "prompt": prompt}
+        return {**about, "pictures": list(pictures), "written": written}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         if "kinds" in result:
             return "\n".join(result["kinds"])
         return "\n".join([result["prompt"], *(f"wrote {path}" for path in result["written"])])
+
+
+def _write(folder: Path, prompt: str, pictures: Mapping[str, Path]) -> list[str]:
+    with writing("--out", str(folder), "a folder that can be written"):
+        write_whole(folder / "prompt.md", encodable(prompt))
+        for name, picture in pictures.items():
+            write_whole(folder / f"{name}.png", read_bytes(picture, "a picture", PICTURE_BYTES))
+    return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
 
 
 class _UntilAsked:

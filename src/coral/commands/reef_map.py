@@ -71,10 +71,10 @@ class ReefMap:
     """How products are made."""
 
     def __call__(self) -> Mapping[str, Any]:
-        if self.sonar_start_s is not None and not math.isfinite(self.sonar_start_s):
-            raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
-        if self.pictures_start_s is not None and not math.isfinite(self.pictures_start_s):
-            raise InputError("--pictures-start-s", "", self.pictures_start_s, "a number of seconds")
+        starts = (("--sonar-start-s", self.sonar_start_s), ("--pictures-start-s", self.pictures_start_s))
+        for flag, start_s in starts:
+            if start_s is not None and not math.isfinite(start_s):
+                raise InputError(flag, "", start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "0 seconds or more")
         eyes = self._eyes()
@@ -104,18 +104,13 @@ class ReefMap:
     def _eyes(self) -> RgbPerception | None:
         if self.perception == RECORDED:
             if self.depth is not None:
-                raise InputError(
-                    "--depth", "", f"{self.depth} alone", "--perception rgb, painted or FILE.onnx, for the classes"
-                )
+                expected = "--perception rgb, painted or FILE.onnx, for the classes"
+                raise InputError("--depth", "", f"{self.depth} alone", expected)
             return None
         known = (RECORDED, RGB, PAINTED)
         if self.perception not in known and not self.perception.endswith(".onnx"):
-            raise InputError(
-                "--perception",
-                "",
-                repr(self.perception),
-                f"{', '.join(known)} or FILE.onnx{nearest(self.perception, known)}",
-            )
+            expected = f"{', '.join(known)} or FILE.onnx{nearest(self.perception, known)}"
+            raise InputError("--perception", "", repr(self.perception), expected)
         return open_eyes(self.perception, depth=str(self.depth or ""))
 
     def describe(self, result: Mapping[str, Any]) -> str:

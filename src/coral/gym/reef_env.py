@@ -64,9 +64,8 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.cfg = checked(cfg or SimulatorCfg(), "cfg")
         self._localization = checked(localization or LocalizationCfg(), "localization")
         if not 0.001 <= control_period_s <= 1 or not time_limit_s > 0:
-            raise InputError(
-                "control_period_s, time_limit_s", "", (control_period_s, time_limit_s), "0.001 to 1, above 0"
-            )
+            found = (control_period_s, time_limit_s)
+            raise InputError("control_period_s, time_limit_s", "", found, "0.001 to 1, above 0")
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError("render_mode", "", repr(render_mode), "None or 'rgb_array'")
         self.render_mode = render_mode

@@ -87,7 +87,7 @@ class MapSvg:
         for obstacle in _records(solid_records(self.run.world)):
             points = footprint(obstacle)
             if len(points):
-                parts.append(f'<path d="{self._closed_path(points)}" class="rock"/>')
+                parts.append(f'<path d="{self._open_path(points)}Z" class="rock"/>')
         names = []
         for cluster in _records(self.run.world.get("clusters")):
             hull = cluster_outline(cluster)
@@ -96,7 +96,7 @@ class MapSvg:
             name = str(cluster.get("name", ""))
             state, said = cluster_fate(self.run, cluster)
             parts.append(
-                f'<path d="{self._closed_path(hull)}" class="cluster {state}"><title>true cluster '
+                f'<path d="{self._open_path(hull)}Z" class="cluster {state}"><title>true cluster '
                 f"{escape(name)}: {said}</title></path>"
             )
             low = hull[int(np.argmin(hull[:, 1]))]
@@ -109,24 +109,14 @@ class MapSvg:
             names.append(text(x, y + 4, f"{name} ({kind})" if name and name != kind else kind, "truthname thing"))
         return f'<g id="layer-truth">{"".join(parts)}</g>', f'<g id="layer-truenames">{"".join(names)}</g>'
 
-    def _closed_path(self, points: NDArray[np.float64]) -> str:
-        return "M" + "L".join("{:.1f},{:.1f}".format(*self.at(float(x), float(y))) for x, y in points) + "Z"
-
     def _path(self) -> str:
-        x, y = track(self.run)
-        d = self._line(x, y)
-        return (
-            (
-                f'<g id="layer-path"><path id="track-edge" d="{d}" class="track edge"/>'
-                f'<path id="track" d="{d}" class="track"/></g>'
-            )
-            if len(x) > 1
-            else '<g id="layer-path"></g>'
-        )
+        points = np.stack(track(self.run), axis=1)
+        d = self._open_path(points)
+        drawn = f'<path id="track-edge" d="{d}" class="track edge"/><path id="track" d="{d}" class="track"/>'
+        return f'<g id="layer-path">{drawn if len(points) > 1 else ""}</g>'
 
-    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> str:
-        spots = ("{:.1f},{:.1f}".format(*self.at(float(a), float(b))) for a, b in zip(x, y, strict=True))
-        return "M" + "L".join(spots) if len(x) else ""
+    def _open_path(self, points: NDArray[np.float64]) -> str:
+        return "M" + "L".join("{:.1f},{:.1f}".format(*self.at(float(x), float(y))) for x, y in points)
 
     def _centroids(self) -> str:
         last = chain_at(self.run, self.run.duration_s)
@@ -141,15 +131,12 @@ class MapSvg:
 
     def _links(self, made: Sequence[Decision]) -> str:
         links = [(d, self.at(d.x, d.y), self.at(*d.goal)) for d in made if d.goal and math.isfinite(d.x)]
-        return (
-            '<g id="layer-links">'
-            + "".join(
-                f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" class="link" '
-                f'data-decision="{d.number}"/>'
-                for d, a, b in links
-            )
-            + "</g>"
+        lines = (
+            f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" class="link" '
+            f'data-decision="{d.number}"/>'
+            for d, a, b in links
         )
+        return f'<g id="layer-links">{"".join(lines)}</g>'
 
     def _decisions(self, made: Sequence[Decision]) -> str:
         """Draw numbered markers at the positions of the questions, moved apart if they would overlap."""
@@ -215,9 +202,8 @@ class MapSvg:
         left, bottom = self.at(0.0, 0.0)
         right, top = self.at(*self.size_m)
         step = nice_step(max(self.size_m), 8)
-        parts = [
-            f'<rect x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" height="{bottom - top:.1f}" class="frame"/>'
-        ]
+        w, h = right - left, bottom - top
+        parts = [f'<rect x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" height="{h:.1f}" class="frame"/>']
         for k in range(int(self.size_m[0] / step + 1e-9) + 1):
             x = self.at(k * step, 0.0)[0]
             parts += [line(x, bottom, x, bottom + 4, "axis"), text(x, bottom + 17, f"{k * step:g}", "tick")]

@@ -106,13 +106,8 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
         axes.text(x, y, str(k), va="center_baseline", fontsize=size, fontweight="bold", zorder=5, **style)
     s = world.start
     axes.add_patch(Ellipse((s.x, s.y), 0.6, 0.6, facecolor=START, edgecolor="white", linewidth=0.8, zorder=6))
-    axes.annotate(
-        "",
-        (s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)),
-        (s.x, s.y),
-        zorder=6,
-        arrowprops=_arrow(START, 1.8),
-    )
+    ahead = s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)
+    axes.annotate("", ahead, (s.x, s.y), zorder=6, arrowprops=_arrow(START, 1.8))
     _draw_current(axes, world, size)
     bar = 5.0 if min(world.size_m) >= 12.0 else 1.0
     axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color="white", linewidth=6, zorder=6, solid_capstyle="butt")

@@ -120,31 +120,25 @@ class RunFolder:
         if not any((folder / name).is_file() for name in _MARKS):
             raise InputError(str(folder), "", "no run in it", f"at least one of {', '.join(_MARKS)}")
         notes: list[str] = []
-        # The world of the run, a reef or a contact task; only a reef mission always asks an advisor.
         task = (folder / TaskFiles.TASK).is_file()
         events = _lines(folder / RunFiles.EVENTS, notes)
         named = tuple(event for event in events if isinstance(event.get("event"), str) and is_number(event.get("t")))
         if len(named) < len(events):
             notes.append(f"events.jsonl: {len(events) - len(named)} lines have no name or time and were left out.")
         whole = _keep_sound(RunFiles.EVENTS, named, notes)
+        attempts = folder / RunFiles.ATTEMPTS
+        asked = not task or attempts.is_file()  # only a reef mission always asks an advisor
+        numbers = (file.name[:-8] for file in (folder / SurveyFiles.FRAMES).glob("*_map.png"))
         return cls(
             path=folder,
             events=whole,
             trajectory=_table(folder / RunFiles.TRAJECTORY, notes),
-            attempts=()
-            if task and not (folder / RunFiles.ATTEMPTS).is_file()
-            else _keep_sound(RunFiles.ATTEMPTS, _lines(folder / RunFiles.ATTEMPTS, notes), notes),
+            attempts=_keep_sound(RunFiles.ATTEMPTS, _lines(attempts, notes), notes) if asked else (),
             metrics=figures(_document(folder / RunFiles.METRICS, parse_json, notes)),
             timing=_document(folder / RunFiles.TIMING, parse_json, notes),
             config=_document(folder / RunFiles.CONFIG, _yaml, notes),
             world=_world(folder / (TaskFiles.TASK if task else SurveyFiles.WORLD), notes),
-            frame_steps=tuple(
-                sorted(
-                    int(file.name[:-8])
-                    for file in (folder / SurveyFiles.FRAMES).glob("*_map.png")
-                    if file.name[:-8].isdigit()
-                )
-            ),
+            frame_steps=tuple(sorted(int(number) for number in numbers if number.isdigit())),
             notes=tuple(notes),
         )
 

@@ -51,14 +51,8 @@ def samples_chart(run: RunFolder) -> str:
     """Draw the effective sample size of each plan."""
     plans = run.select("plan")
     t = np.array([float(plan["t"]) for plan in plans])
-    return curves_chart(
-        run.duration_s,
-        t,
-        {"effective samples": np.array([float(plan["ess"]) for plan in plans])},
-        "samples",
-        height=150.0,
-        floor=0.0,
-    )
+    curves = {"effective samples": np.array([float(plan["ess"]) for plan in plans])}
+    return curves_chart(run.duration_s, t, curves, "samples", height=150.0, floor=0.0)
 
 
 def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -148,15 +142,9 @@ def touching(run: RunFolder) -> list[Record]:
     known = {(event["first"], event["second"], round(float(event["begun_s"]), 3)) for event in found}
     for event in run.select("contact"):
         if (event["first"], event["second"], round(float(event["t"]), 3)) not in known and not run.complete:
-            found.append(
-                {
-                    **event,
-                    "begun_s": float(event["t"]),
-                    "ended_s": run.duration_s,
-                    "mean_n": float(event["force_n"]),
-                    "peak_n": float(event["force_n"]),
-                }
-            )
+            begun_s, force_n = float(event["t"]), float(event["force_n"])
+            times = {"begun_s": begun_s, "ended_s": run.duration_s}
+            found.append({**event, **times, "mean_n": force_n, "peak_n": force_n})
     return sorted(found, key=lambda event: float(event["begun_s"]))
 
 

@@ -128,8 +128,7 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
         raise InputError(str(run.path), RunFiles.TRAJECTORY, f"{len(times)} rows", f"more than {stride}, one frame")
     state = np.stack([run.column(name)[rows] for name in STATE], axis=1).astype(np.float32)
     action = np.stack([run.column(name)[rows + stride] for name in ACTION], axis=1).astype(np.float32)
-    starts = run.select("start")
-    start: Mapping[str, Any] = starts[0] if starts else {}
+    start: Mapping[str, Any] = (run.select("start") or [{}])[0]
     success = bool(run.metrics.get("success"))
     task = str(start.get("instruction") or run.config.get("task"))
     world = str(run.config.get("world", "hand"))

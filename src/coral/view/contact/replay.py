@@ -53,12 +53,8 @@ class ReplayedScene:
         self._data = mujoco.MjData(self._model)
         self._places = np.stack([states[name] for name in states if name.startswith("q")], axis=1)
         if self._places.shape[1] != self._model.nq:
-            raise InputError(
-                str(run.path),
-                TaskFiles.STATES,
-                f"{self._places.shape[1]} joint positions",
-                f"the {self._model.nq} of its world",
-            )
+            found = f"{self._places.shape[1]} joint positions"
+            raise InputError(str(run.path), TaskFiles.STATES, found, f"the {self._model.nq} of its world")
         middle, radius = _extent(run, self.trial)
         shown = [self._seen_from(overview(middle, radius, direction)) for direction in DIRECTIONS]
         best = int(np.argmax(shown)) if max(shown) > BETTER * shown[0] else 0
