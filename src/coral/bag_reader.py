@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from coral.errors import InputError, first_line, install_extra
 from coral.foreign_file import check_tables, read_head, read_text
 from coral.limits import CHUNK_BYTES
+from coral.unfinished_mcap import UnfinishedMcap, whole_bytes
 from coral.yaml_file import load_mapping
 
 FILES = (".mcap", ".db3", ".bag")
@@ -20,7 +22,10 @@ _MENDS = {
         "a file without an end, unfinished or cut",
         "a whole one: `mcap recover FILE -o OUT`",
     ),
-    "Profile is not ros2.": ("an MCAP file of other messages", "messages of ROS 2 (profile ros2)"),
+    "Profile is not ros2.": (
+        "an MCAP file of other messages",
+        "messages of ROS 2 (profile ros2), or a folder of pictures with poses.csv",
+    ),
 }
 """What the library says, and what it means for who has the file."""
 
@@ -37,13 +42,24 @@ def _loose_files(path: Path) -> list[Path]:
     return sorted(one for one in path.iterdir() if one.suffix in (".mcap", ".db3"))
 
 
-def count_messages(path: Path) -> dict[str, int]:
-    """Return the number of messages on each topic.
+def bytes_cut(path: Path) -> int | None:
+    """Return how many bytes at the end of MCAP files are no whole record; None where each file has its end."""
+    cut = list[int]()
+    for part in path.glob("*.mcap") if path.is_dir() else [path]:
+        with part.open("rb") as file:
+            whole = whole_bytes(file)
+            if whole is not None:
+                cut.append(file.seek(0, os.SEEK_END) - whole)
+    return sum(cut) if cut else None
+
+
+def count_messages(path: Path, *, unfinished: bool = False) -> dict[str, int]:
+    """Return the number of messages on each topic; `unfinished` takes what is whole of MCAP files without an end.
 
     Raises:
         InputError: It is no bag, or rosbags is not installed.
     """
-    with _opened(path) as reader:
+    with _opened(path, unfinished=unfinished) as reader:
         return {one.topic: one.msgcount for one in reader.connections}
 
 
@@ -57,13 +73,15 @@ def message_types(path: Path) -> dict[str, str]:
         return {one.topic: one.msgtype for one in reader.connections}
 
 
-def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
+def read_messages(path: Path, wanted: set[str], *, unfinished: bool = False) -> Iterator[tuple[str, Any]]:
     """Return topic and message of all messages on some topics, in order of time, one after the other.
+
+    `unfinished` takes what is whole of MCAP files without an end.
 
     Raises:
         InputError: It is no bag, a message is damaged, or rosbags is not installed.
     """
-    with _opened(path) as reader:
+    with _opened(path, unfinished=unfinished) as reader:
         connections = [one for one in reader.connections if one.topic in wanted]
         if not connections:
             return
@@ -87,7 +105,7 @@ def stamp_of(message: Any) -> float:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def _opened(path: Path, *, unfinished: bool = False) -> Iterator[Any]:
     try:
         from rosbags.highlevel import AnyReader, anyreader
         from rosbags.rosbag1 import reader as rosbag1
@@ -99,7 +117,10 @@ def _opened(path: Path) -> Iterator[Any]:
     _bound_chunks(storage_mcap, rosbag1)
     _remember_definitions(anyreader)
     try:
-        reader = AnyReader(_loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        parts = _loose_files(path) or [path]
+        if unfinished:
+            parts = [cast(Path, UnfinishedMcap(part)) if part.suffix == ".mcap" else part for part in parts]
+        reader = AnyReader(parts, default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
     except Exception as error:  # damaged bytes raise all kinds
         raise _cannot_open(path, error) from None

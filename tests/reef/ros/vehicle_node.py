@@ -5,18 +5,19 @@ Usage: python vehicle_node.py WORLD NAMESPACE [--stamps-off S]. SIGTERM: it tell
 
 import argparse
 import array
-import contextlib
 import json
 import math
+import signal
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rclpy.executors import ExternalShutdownException
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointField
 
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
@@ -39,7 +40,9 @@ def main():
     flags.add_argument("namespace")
     flags.add_argument("--stamps-off", type=float, default=0.0)
     told = flags.parse_args()
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: ended.set())
     node = rclpy.create_node("vehicle", namespace=told.namespace)
     world, cfg = find_world(told.world), SimulatorCfg()
     scene = Scene.from_world(world)
@@ -106,8 +109,8 @@ def main():
     node.create_timer(0.05, navigate)
     node.create_timer(0.1, photograph)
     print("ready", flush=True)
-    with contextlib.suppress(ExternalShutdownException):
-        rclpy.spin(node)
+    while not ended.is_set():
+        rclpy.spin_once(node, timeout_sec=0.2)
     print(json.dumps(judge.verdict()), flush=True)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import count_messages, read_messages, stamp_of
+from coral.bag_reader import bytes_cut, count_messages, read_messages, stamp_of
 from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
@@ -110,6 +110,8 @@ def read_bag(
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
     remarks = list[str]()
+    if (cut := bytes_cut(path)) is not None:
+        remarks.append(f"{where} has no end, unfinished or cut: its last {cut} bytes were left out, the rest was read")
     if (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
         remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
     cfg = cfg or MapCfg()
@@ -121,7 +123,7 @@ def read_bag(
     def keyframes() -> Iterator[PosedFrame]:
         due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
         used: list[float] = []
-        for t, images in _moments(path, set(pictured), {topics.sonar}, where):
+        for t, images in _moments(path, set(pictured), {topics.sonar}, where, cut=cut is not None):
             if topics.sonar in images:
                 assert hearing is not None
                 ping, cloud = hearing.hear(t, images[topics.sonar])
@@ -192,11 +194,16 @@ def _image(message: Any, where: str, name: str) -> NDArray[Any]:
     return colours_in(message, where) if name == "rgb" else values_in(message, where, name)
 
 
-def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> Iterator[tuple[float, dict[str, Any]]]:
-    """Return the pictures of each moment, those with one time stamp, and every other message by itself."""
+def _moments(
+    path: Path, pictures: set[str], others: set[str], where: str, *, cut: bool
+) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Return the pictures of each moment, those with one time stamp, and every other message by itself.
+
+    The last moment of a `cut` file is left out: it may lack some.
+    """
     t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
     unstamped: set[str] = set()
-    for topic, message in read_messages(path, pictures | others):
+    for topic, message in read_messages(path, pictures | others, unfinished=True):
         try:
             t = stamp_of(message)
         except AttributeError as error:
@@ -218,7 +225,7 @@ def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> It
             yield from later
             images, later = {}, []
         t_open, images[topic] = t, message
-    if images:
+    if images and not cut:
         yield t_open, images
     yield from later
 
@@ -246,9 +253,9 @@ def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedC
 
 def _collect(path: Path, topics: BagTopics) -> _Contents:
     contents, where = _Contents(), str(path)
-    contents.counts = count_messages(path)
+    contents.counts = count_messages(path, unfinished=True)
     wanted = {topics.odometry, topics.camera_info, topics.map, topics.seen_by, "/tf", "/tf_static"}
-    for topic, message in read_messages(path, wanted):
+    for topic, message in read_messages(path, wanted, unfinished=True):
         try:
             if topic == topics.odometry:
                 _take_odometry(contents.track, message)

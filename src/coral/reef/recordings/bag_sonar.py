@@ -71,7 +71,7 @@ def open_sonar(
     Raises:
         InputError: Nobody knows where on the vehicle the sonar is.
     """
-    frame = frame_name(str(next(read_messages(path, {topic}))[1].header.frame_id))
+    frame = frame_name(str(next(read_messages(path, {topic}, unfinished=True))[1].header.frame_id))
     mount = track.tree.first(track.child, frame)
     if mount is None:
         raise InputError(str(path), "/tf, /tf_static", f"no chain from {track.child} to {frame or 'the sonar'}", "one")
