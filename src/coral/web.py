@@ -10,7 +10,7 @@ import json
 import re
 import socket
 import threading
-from collections.abc import Awaitable, Callable, MutableMapping, Sequence
+from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Any, Self
 
@@ -20,6 +20,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from coral.access import Access, choose_token
 from coral.errors import InputError
@@ -30,11 +31,6 @@ HEADER = "X-Coral"
 """Requests that change something carry `X-Coral: 1`, for which a page of another site never gets permission."""
 BODY_LIMIT = 256 * 1024
 """Maximum size of a request's body, bytes."""
-
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 
 class WebServer:
@@ -81,7 +77,8 @@ class WebServer:
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)
-        self._thread = threading.Thread(target=self._run, name="coral-web", daemon=True)
+        serving = self._server.serve(sockets=[self._socket])
+        self._thread = threading.Thread(target=asyncio.run, args=(serving,), name="coral-web", daemon=True)
         self._thread.start()
         return self
 
@@ -94,9 +91,6 @@ class WebServer:
             self._server.should_exit = True
             self._thread.join()
         self._socket.close()
-
-    def _run(self) -> None:
-        asyncio.run(self._server.serve(sockets=[self._socket]))
 
 
 def bind(host: str, port: int, flag: str = "--port") -> socket.socket:
@@ -127,7 +121,7 @@ def check_free(port: int, flag: str) -> None:
     bind(HOST, port, flag).close()
 
 
-def application(routes: Sequence[BaseRoute], page: str = "") -> App:
+def application(routes: Sequence[BaseRoute], page: str = "") -> ASGIApp:
     """Return an application of routes that answers errors as JSON, and serves a page at /."""
 
     async def fail(_: Request, error: Exception) -> Response:
@@ -142,7 +136,7 @@ def application(routes: Sequence[BaseRoute], page: str = "") -> App:
     return Starlette(routes=[*first, *routes], exception_handlers={HTTPException: fail})
 
 
-def guarded(app: App, access: Access, page: str = "") -> App:
+def guarded(app: ASGIApp, access: Access, page: str = "") -> ASGIApp:
     """Return an application that refuses strangers, and adds the headers that keep a page to itself."""
     common = [
         (b"cache-control", b"no-store"),
@@ -157,7 +151,7 @@ def guarded(app: App, access: Access, page: str = "") -> App:
         if scope["type"] != "http":
             return
 
-        async def sealed(message: MutableMapping[str, Any]) -> None:
+        async def sealed(message: Message) -> None:
             if message["type"] == "http.response.start":
                 kept = [pair for pair in message.get("headers", ()) if pair[0].lower() != b"cache-control"]
                 message = {**message, "headers": [*kept, *common]}

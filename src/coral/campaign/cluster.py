@@ -42,9 +42,8 @@ class RayExecutor:
         try:
             import ray
         except ImportError:
-            raise InputError(
-                "--executor", "", "ray, which is not installed", f"local, or {install_extra('ray')}"
-            ) from None
+            expected = f"local, or {install_extra('ray')}"
+            raise InputError("--executor", "", "ray, which is not installed", expected) from None
         self._ray = ray
         _check_listening(address)
         try:
@@ -100,7 +99,6 @@ def _check_listening(address: str) -> None:
 
 
 def _perform_in_task(episode: Episode, spec: Spec) -> tuple[EpisodeOutcome, bytes]:
-    """Run the Ray task."""
     import ray
 
     return perform_on_node(episode, spec, ray.get_runtime_context().get_node_id())

@@ -62,9 +62,8 @@ class SlurmExecutor:
         try:
             self._cluster = submitit.SlurmExecutor(folder)
         except RuntimeError:
-            raise InputError(
-                "--executor", "", "slurm, but no srun", "a machine from which jobs are submitted"
-            ) from None
+            expected = "a machine from which jobs are submitted"
+            raise InputError("--executor", "", "slurm, but no srun", expected) from None
         self._cluster.update_parameters(
             job_name="coral",
             time=cfg.minutes,
@@ -153,5 +152,4 @@ def _reason(error: BaseException) -> str:
 
 
 def _perform_in_job(episode: Episode, spec: Spec) -> tuple[EpisodeOutcome, bytes]:
-    """Run the job."""
     return perform_on_node(episode, spec, os.environ.get("SLURMD_NODENAME", ""))

@@ -115,14 +115,12 @@ def run_task(
         RunError: The Panda is asked for and robosuite is not installed.
     """
     folder = ResultFolder(out)
-    spec = DEFAULT_ADVISOR if advisor is None else advisor if isinstance(advisor, str) else check_advisor(advisor).name
-    demand_inbox(spec if isinstance(advisor, str) else "", out)
+    own_advisor = None if advisor is None or isinstance(advisor, str) else check_advisor(advisor)
+    named = advisor if isinstance(advisor, str) else ""
+    spec = own_advisor.name if own_advisor is not None else named or DEFAULT_ADVISOR
+    demand_inbox(named, out)
     chosen = variant or DEFAULT_VARIANT
-    who: Advisor = (
-        check_advisor(advisor)
-        if advisor is not None and not isinstance(advisor, str)
-        else contact_advisor(spec, model or contact_model(), folder.path / RunFiles.INBOX)
-    )
+    who = own_advisor or contact_advisor(spec, model or contact_model(), folder.path / RunFiles.INBOX)
     if cost is not None and advisor is not None:
         raise InputError("--cost", "", f"also --advisor {spec}", "one of the two: a cost of your own asks nobody")
     check_combination(
@@ -158,7 +156,7 @@ def run_task(
         ask_first(who, pictures=True, quiet=True)
     asking = AdvisorSetup(
         advisor=spec,
-        given=None if advisor is None or isinstance(advisor, str) else who,
+        given=own_advisor,
         world=world,
         memory=memory,
         inbox=folder.path / RunFiles.INBOX,

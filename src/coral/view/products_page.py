@@ -86,17 +86,6 @@ def write_products_page(
     Raises:
         InputError: The page cannot be written.
     """
-    return write_page(folder, render_products(products, placement, files, cover, truth), ProductFiles.PAGE)
-
-
-def render_products(
-    products: SurveyProducts,
-    placement: EarthPlacement,
-    files: Sequence[str],
-    cover: CoverCfg,
-    truth: TruthComparison | None,
-) -> str:
-    """Render the whole page as text."""
     datum, size = placement.datum, products.recording.size_m
     looks: dict[int, list[tuple[str, str]]] = {}
     for picture in products.pictures:
@@ -109,7 +98,7 @@ def render_products(
     note = "Colours as the camera saw them through the water."
     if not products.mosaic.colour:
         note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
-    return render_page(
+    page = render_page(
         "products.html.j2",
         name=products.recording.name,
         size=size,
@@ -139,6 +128,7 @@ def render_products(
         looks=sorted(looks.items()),
         files=files,
     )
+    return write_page(folder, page, ProductFiles.PAGE)
 
 
 def ramp(values: NDArray[np.float32], stops: Sequence[Stop]) -> NDArray[np.uint8]:

@@ -130,10 +130,8 @@ def counted(given: list[Answer]) -> str:
     said = [f"{many(len(given), 'question')} asked, {many(len(given) - len(wrong) - absent, 'answer')} accepted"]
     said += [f"{len(wrong)} refused"] if wrong else []
     said += [f"{absent} without an answer"] if absent else []
-    tail = ""
-    if spoilt:
-        tail = f" {many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
-        tail += f"{passed or 'none'} of them passed the checks."
+    were = f" {many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
+    tail = f"{were}{passed or 'none'} of them passed the checks." if spoilt else ""
     return f"{', '.join(said)}.{tail}"
 
 
