@@ -171,24 +171,17 @@ def _bound_chunks(storage_mcap: Any, rosbag1: Any) -> None:
 
     from lz4.frame import LZ4FrameDecompressor
 
-    zstd = storage_mcap.zstd
-
     def bounded(make: Any) -> Any:
-        def unpack(data: bytes, size: int) -> bytes:
+        def unpack(data: bytes, size: int = CHUNK_BYTES) -> bytes:
             if size > CHUNK_BYTES:
                 raise ValueError(f"a chunk of {size / 1e6:.0f} MB, where {CHUNK_BYTES / 1e6:.0f} are the most")
-            return bytes(make().decompress(data, max_length=size + 1))
-
-        return unpack
-
-    def bounded_alone(make: Any) -> Any:
-        def unpack(data: bytes) -> bytes:
-            found = bytes(make().decompress(data, max_length=CHUNK_BYTES + 1))
+            found = bytes(make().decompress(data, max_length=size + 1))
             if len(found) > CHUNK_BYTES:
                 raise ValueError(f"a chunk of more than {CHUNK_BYTES / 1e6:.0f} MB")
             return found
 
         return unpack
 
-    rosbag1.decompressors.update(bz2=bounded_alone(BZ2Decompressor), lz4=bounded_alone(LZ4FrameDecompressor))
-    storage_mcap.DECOMPRESSORS.update(lz4=bounded(LZ4FrameDecompressor), zstd=bounded(zstd.ZstdDecompressor))
+    lz4, zstd = bounded(LZ4FrameDecompressor), bounded(storage_mcap.zstd.ZstdDecompressor)
+    rosbag1.decompressors.update(bz2=bounded(BZ2Decompressor), lz4=lz4)
+    storage_mcap.DECOMPRESSORS.update(lz4=lz4, zstd=zstd)

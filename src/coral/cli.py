@@ -177,6 +177,7 @@ def _parse(name: str, words: Sequence[str]) -> Command:
     about = described(place)
     given = scan(words, about, name)
     kind = load(place)
+    # The file of `--config` is read before the flags, and so are the defaults of a study.
     default = kind.from_file(words) if hasattr(kind, "from_file") else None
     keys = [".".join(field[1:]) for field in given if field[0] == "cfg"]
     if default is not None:

@@ -152,9 +152,8 @@ def _check_events(text: str, where: str, most_values: int) -> None:
         elif isinstance(event, yaml.CollectionStartEvent):
             opened.append((event.anchor, seen))
             if len(opened) > YAML_DEPTH:
-                raise InputError(
-                    where, _line(event), f"values nested more than {YAML_DEPTH} deep", "a file with fewer levels"
-                )
+                found = f"values nested more than {YAML_DEPTH} deep"
+                raise InputError(where, _line(event), found, "a file with fewer levels")
         if seen > 3 * most_values:
             raise InputError(where, _line(event), f"more than {most_values} values", "a smaller file")
 

@@ -65,10 +65,8 @@ class LocalExecutor:
                         if not worker.ready:
                             stillborn += 1
                             if stillborn > self.jobs + 1:
-                                raise RunError(
-                                    "the worker processes end before they begin "
-                                    f"(exit code {code}); see the messages above"
-                                ) from None
+                                why = f"end before they begin (exit code {code}); see the messages above"
+                                raise RunError(f"the worker processes {why}") from None
                         elif worker.task is not None:
                             key = worker.task.spec.key
                             deaths[key] += 1

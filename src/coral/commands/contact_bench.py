@@ -137,7 +137,6 @@ class ContactBench(CampaignFlags):
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
-        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, episode_alone())
         return None if cfg is None else cls(cfg=cfg)
 

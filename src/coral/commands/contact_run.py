@@ -110,7 +110,6 @@ class ContactRun:
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
-        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, EpisodeCfg())
         return None if cfg is None else cls(task="", cfg=cfg)
 

@@ -122,7 +122,6 @@ class ReefBench(CampaignFlags):
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
-        """Read the defaults of the flags from the file that `--config` names, and the study's, before the flags."""
         cfg, given = configured(words, mission_alone()), given_keys(words)
         if "--study" in words:
             cfg = cfg or mission_alone()

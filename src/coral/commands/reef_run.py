@@ -93,7 +93,6 @@ class ReefRun:
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg, given = configured(words, MissionCfg()), given_keys(words)
         return cls(world="", cfg=cfg or MissionCfg(), given=given) if given or cfg is not None else None
 

@@ -128,7 +128,6 @@ class ReefSail:
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefSail | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, MissionCfg())
         return None if cfg is None else cls(area="", cfg=cfg)
 

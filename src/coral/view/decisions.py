@@ -165,16 +165,12 @@ def decisions(run: RunFolder) -> list[Decision]:
                 tries=tries,
                 x=float(xs[nearest]) if nearest >= 0 else float("nan"),
                 y=float(ys[nearest]) if nearest >= 0 else float("nan"),
-                goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
+                goal=(float(goal["x"]), float(goal["y"])) if goal else None,
                 source=str(goal.get("source", "")) if goal else "",
                 fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
             )
         )
     return found
-
-
-def _has(record: Record, *names: str) -> bool:
-    return all(isinstance(record.get(name), int | float) for name in names)
 
 
 def _try(question: Record, verdict: Record | None, logged: Record, ended_s: float) -> Try:

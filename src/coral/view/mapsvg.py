@@ -176,12 +176,11 @@ class MapSvg:
     def _collisions(self) -> str:
         parts = []
         for event in self.run.select("collision"):
-            if isinstance(event.get("x"), int | float) and isinstance(event.get("y"), int | float):
-                x, y = self.at(float(event["x"]), float(event["y"]))
-                parts.append(
-                    f'<path d="M{x - 7:.1f},{y - 7:.1f}l14,14m0,-14l-14,14" class="cross"><title>collision at '
-                    f"{clock(float(event['t']))}</title></path>"
-                )
+            x, y = self.at(float(event["x"]), float(event["y"]))
+            parts.append(
+                f'<path d="M{x - 7:.1f},{y - 7:.1f}l14,14m0,-14l-14,14" class="cross"><title>collision at '
+                f"{clock(float(event['t']))}</title></path>"
+            )
         return f'<g id="layer-collisions">{"".join(parts)}</g>'
 
     def _robot(self) -> str:

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -167,10 +168,8 @@ def read_table(path: Path) -> dict[str, NDArray[np.float64]]:
 def _yaml(text: str) -> Any:
     # A world may be written as JSON, which YAML's own parser reads a hundred times slower.
     if text.lstrip().startswith("{"):
-        try:
+        with suppress(ValueError):
             return parse_json(text)
-        except ValueError:
-            pass
     return load_mapping(text, "")
 
 

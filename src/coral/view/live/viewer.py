@@ -6,7 +6,7 @@ import re
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
@@ -60,16 +60,6 @@ class Now:
     strokes: Sequence[Stroke] = ()
 
 
-@dataclass
-class _Frames:
-    """Steps with a map or a camera picture, kept up to date."""
-
-    maps: list[int] = field(default_factory=list)
-    eyes: list[int] = field(default_factory=list)
-    colour: bool = False
-    looked: float = -10.0
-
-
 class Viewer(WebServer):
     """Serves one run folder."""
 
@@ -86,8 +76,8 @@ class Viewer(WebServer):
         self.folder, self.controls, self._rate = folder, controls, rate
         self.stream = RunStream(folder, lambda: subject_of(folder))
         self.now = Now()
-        self._frames = _Frames()
-        self._asked = -10.0
+        self._frames: dict[str, Any] = {"maps": [], "eyes": [], "colour": False}
+        self._looked = self._asked = -10.0
         self._visited = threading.Event()
         super().__init__(self._routes(), page=PAGE, port=port, flag=flag)
 
@@ -152,14 +142,13 @@ class Viewer(WebServer):
 
     def _pictures(self) -> dict[str, Any]:
         """Return the steps that have a map, those that have a camera picture, and whether it has colours."""
-        found = self._frames
-        if time.monotonic() - found.looked > 1.0:
-            found.looked = time.monotonic()
-            found.colour = found.colour or any((self.folder / SurveyFiles.FRAMES).glob("*_rgb.jpg"))
-            for kind, kept in (("map", found.maps), ("labels", found.eyes)):
-                names = (self.folder / SurveyFiles.FRAMES).glob(f"*_{kind}.png")
-                kept[:] = sorted(int(name.name.partition("_")[0]) for name in names if name.name[:6].isdigit())
-        return {"maps": found.maps, "eyes": found.eyes, "colour": found.colour}
+        if time.monotonic() - self._looked > 1.0:
+            self._looked, frames = time.monotonic(), self.folder / SurveyFiles.FRAMES
+            for key, kind in (("maps", "map"), ("eyes", "labels")):
+                names = [path.name for path in frames.glob(f"*_{kind}.png")]
+                self._frames[key] = sorted(int(name.partition("_")[0]) for name in names if name[:6].isdigit())
+            self._frames["colour"] = self._frames["colour"] or any(frames.glob("*_rgb.jpg"))
+        return self._frames
 
     def _frame(self, request: Request) -> Response:
         picture = frame_picture(self.folder, request.path_params["step"], request.path_params["kind"])
