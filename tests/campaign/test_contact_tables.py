@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from coral.campaign.contact_tables import contact_tables, paper, short_name
+from coral.campaign.contact_tables import PAPER, contact_tables, short_name
 from coral.campaign.table import document
 
 
@@ -109,10 +109,10 @@ def test_what_broke_off_is_told_where_it_belongs():
 
 
 def test_the_papers_table_is_complete():
-    assert all(len(line) == len(paper()["tasks"]) == 6 for line in paper()["1"].values())
+    assert all(len(line) == len(PAPER["tasks"]) == 6 for line in PAPER["1"].values())
     assert all(
         0 <= count <= 10 and (seconds is None) == (count == 0)
-        for line in paper()["1"].values()
+        for line in PAPER["1"].values()
         for count, seconds in line
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -73,11 +73,8 @@ ABLATED = (
 )
 
 
-@cache
-def paper() -> dict[str, Any]:
-    """Load the paper's numbers and names."""
-    content: dict[str, Any] = read_json(Path(__file__).parent / "contact_paper.json", "a file of this package")
-    return content
+PAPER: dict[str, Any] = read_json(Path(__file__).parent / "contact_paper.json", "a file of this package")
+"""The paper's numbers and names."""
 
 
 def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
@@ -139,16 +136,16 @@ def _table_1(
 
     `cell` returns ours of a method's trials of a task, `theirs` the paper's from its successes and seconds.
     """
-    tasks, by_variant = list(paper()["tasks"]), group_by(rows, lambda row: row["variant"])
+    tasks, by_variant = list(PAPER["tasks"]), group_by(rows, lambda row: row["variant"])
     groups = []
-    for variant in dict.fromkeys((*paper()["1"], *by_variant)):
-        printed = dict(zip(tasks, map(theirs, paper()["1"].get(variant, ())), strict=False))
+    for variant in dict.fromkeys((*PAPER["1"], *by_variant)):
+        printed = dict(zip(tasks, map(theirs, PAPER["1"].get(variant, ())), strict=False))
         groups.append(Group(_name(variant), by_variant.get(variant, []), printed=printed))
     columns = []
     for task in sorted(group_by(rows, lambda row: row["world"]), key=lambda t: tasks.index(t) if t in tasks else 99):
-        columns.append(Column(f"{paper()['tasks'].get(task, short_name(task))}{unit}", partial(_of_task, task, cell)))
+        columns.append(Column(f"{PAPER['tasks'].get(task, short_name(task))}{unit}", partial(_of_task, task, cell)))
         columns.append(Measure(task, "", lambda row: None).paper())
-    return tabulate(f"Table 1, {what}", caption, "method", groups, columns, (*paper()["notes"], *source))
+    return tabulate(f"Table 1, {what}", caption, "method", groups, columns, (*PAPER["notes"], *source))
 
 
 def _of_task(task: str, cell: Callable[[Group], str], group: Group) -> str:
@@ -179,10 +176,10 @@ def _pairs(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     columns = (
         WON,
         WON_INTERVAL,
-        Column("better : worse", lambda group: _counted(_outcomes(group))),
-        Column("p", lambda group: _tested(_outcomes(group))),
-        Column("sooner : later", lambda group: _counted(_endings(group))),
-        Column("p", lambda group: _tested(_endings(group))),
+        Column("better : worse", partial(_counted, _solved)),
+        Column("p", partial(_tested, _solved)),
+        Column("sooner : later", partial(_counted, _solved_soon)),
+        Column("p", partial(_tested, _solved_soon)),
         REQUESTS.mean(),
         of_successes(SIMULATED.mean()),
     )
@@ -195,34 +192,29 @@ def _pairs(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     return tabulate(f"Against {_name(REFERENCE)}", what, "method", groups, columns, (note, *source))
 
 
-def _both(group: Group) -> list[tuple[Row, Row]]:
-    """Return the reference's and the group's trials of the same task and seed."""
-    full = {pair(row): row for row in group.reference}
-    return [(full[pair(row)], row) for row in group.rows if pair(row) in full]
+def _solved(row: Row) -> float:
+    return float(row["success"])
 
 
-def _outcomes(group: Group) -> list[tuple[float, float]]:
-    return [(ours["success"], row["success"]) for ours, row in _both(group)]
+def _solved_soon(row: Row) -> float:
+    return -float(row["sim_time_s"]) if row["success"] else -math.inf
 
 
-def _endings(group: Group) -> list[tuple[float, float]]:
-    return [(-_solved_s(ours), -_solved_s(row)) for ours, row in _both(group)]
+def _better(of: Callable[[Row], float], group: Group) -> tuple[int, int] | None:
+    """Count the trials of one task and seed that the reference did better, and the group; None without such trials."""
+    full = {pair(row): of(row) for row in group.reference}
+    both = [(full[pair(row)], of(row)) for row in group.rows if pair(row) in full]
+    return (sum(a > b for a, b in both), sum(b > a for a, b in both)) if both else None
 
 
-def _solved_s(row: Row) -> float:
-    return float(row["sim_time_s"]) if row["success"] else math.inf
+def _counted(of: Callable[[Row], float], group: Group) -> str:
+    counts = _better(of, group)
+    return "{} : {}".format(*counts) if counts else "–"
 
 
-def _larger(pairs: Sequence[tuple[float, float]]) -> tuple[int, int]:
-    return sum(a > b for a, b in pairs), sum(b > a for a, b in pairs)
-
-
-def _counted(pairs: Sequence[tuple[float, float]]) -> str:
-    return "{} : {}".format(*_larger(pairs)) if pairs else "–"
-
-
-def _tested(pairs: Sequence[tuple[float, float]]) -> str:
-    return f"{sign_test(*_larger(pairs)):.2g}" if pairs else "–"
+def _tested(of: Callable[[Row], float], group: Group) -> str:
+    counts = _better(of, group)
+    return f"{sign_test(*counts):.2g}" if counts else "–"
 
 
 def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
@@ -242,7 +234,7 @@ def _ablations(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> li
         without = shared["unguided"]
         if not shared["full"] or not without:
             continue
-        printed = paper()["ablation"] if task == paper()["ablation"]["task"] else {}
+        printed = PAPER["ablation"] if task == PAPER["ablation"]["task"] else {}
         groups = [
             Group(_name(variant), found, without if variant != "unguided" else (), printed.get(variant, {}))
             for variant, found in shared.items()
@@ -266,7 +258,7 @@ def short_name(task: str) -> str:
 
 
 def _name(variant: str) -> str:
-    return str(paper()["names"].get(variant, variant))
+    return str(PAPER["names"].get(variant, variant))
 
 
 def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:

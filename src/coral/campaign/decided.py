@@ -19,6 +19,13 @@ COSTS = (
 )
 
 
+FELL = {
+    "rules": "were made by the fallback’s rules, so these rows are not the advisor’s alone",
+    "prior": "were left undecided: prior beliefs, no regions or the plan before stood",
+}
+"""What became of decisions that the advisor did not make, by the fallback."""
+
+
 def advisors(rows: Sequence[Row]) -> list[str]:
     """Return the advisors of these rows, each once."""
     return list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
@@ -63,13 +70,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         total, fell = sum(map(_decisions, own)), sum(_by("fallback", row) for row in own)
         if not fell:
             continue
-        what = (
-            "were made by the fallback’s rules, so these rows are not the advisor’s alone"
-            if policy == "rules"
-            else "were left undecided: prior beliefs, no regions or the plan before stood"
-            if policy == "prior"
-            else "were left undecided by the advisor; the consequences count as its own"
-        )
+        what = FELL.get(policy, "were left undecided by the advisor; the consequences count as its own")
         notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
     return tuple(notes)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -154,11 +154,8 @@ WORD_NOTES = (
 )
 
 
-@cache
-def paper() -> dict[str, Any]:
-    """Load the paper's numbers, and notes on its contradictions."""
-    content: dict[str, Any] = read_json(Path(__file__).parent / "reef_paper.json", "a file of this package")
-    return content
+PAPER: dict[str, Any] = read_json(Path(__file__).parent / "reef_paper.json", "a file of this package")
+"""The paper's numbers, and notes on its contradictions."""
 
 
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
@@ -189,7 +186,7 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
     """Make the tables of one advisor in one water, with nothing swept."""
     source, who = source_of(rows), f"Advisor: {called(advisor)}."
     found = _by_variant(_with_coverage_time(rows))
-    numbers, full = paper(), found.get(REFERENCE, [])
+    full = found.get(REFERENCE, [])
     groups = {variant: Group(name(variant), own, full) for variant, own in found.items()}
     everything = [row for own in found.values() for row in own]
     time_note = TIME_NOTE if "dream" in found else NO_DREAM
@@ -202,7 +199,7 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
             continue
         shown = [variant for variant in (*variants, *BASELINES) if variant in found]
         caption = f"{what}: means per mission beside the paper’s numbers. {who}"
-        notes = (*((time_note,) if COVERAGE_TIME in measures else ()), *numbers["notes"][key], *source)
+        notes = (*((time_note,) if COVERAGE_TIME in measures else ()), *PAPER["notes"][key], *source)
         lines = [replace(groups[variant], printed=_printed(key, variant)) for variant in shown]
         tables.append(tabulate(f"Table {key}", caption, "variant", lines, _beside_paper(measures, more), notes))
         compared = [m for m in (*measures, *more, *INSPECTING) if any(m.of(row) is not None for row in everything)]
@@ -219,7 +216,7 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
     if full:
         kinds = group_by(full, lambda row: str(row.get("topology")))
         lines = [
-            Group(f"{kind}-shape" if kind in TABLE_III else kind, kinds[kind], printed=numbers["III"].get(kind, {}))
+            Group(f"{kind}-shape" if kind in TABLE_III else kind, kinds[kind], printed=PAPER["III"].get(kind, {}))
             for kind in (*(kind for kind in TABLE_III if kind in kinds), *sorted(set(kinds) - set(TABLE_III)))
         ]
         tables.append(
@@ -229,7 +226,7 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
                 "topology",
                 (*lines, Group("all missions", full, printed=ALL_MISSIONS)),
                 _beside_paper((COVERAGE, EFFICIENCY, CALLS), (COLLISIONS,)),
-                (LAST_LINE, *numbers["notes"]["III"], *source),
+                (LAST_LINE, *PAPER["notes"]["III"], *source),
             )
         )
         by_world = (COVERAGE, MISSION_TIME, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
@@ -279,8 +276,8 @@ def _beside_paper(measures: Sequence[Measure], more: Sequence[Measure]) -> list[
 
 def _printed(table: str, variant: str) -> dict[str, str]:
     """Return the paper's numbers by measure, with what a total is for each mission."""
-    each = paper().get(f"{table}_per_mission", {}).get(variant, {})
-    numbers = paper()[table].get(variant, {})
+    each = PAPER.get(f"{table}_per_mission", {}).get(variant, {})
+    numbers = PAPER[table].get(variant, {})
     return {key: f"{text} ({each[key]})" if key in each else text for key, text in numbers.items()}
 
 
@@ -374,7 +371,7 @@ def _methods(rows: Sequence[Row]) -> list[Group]:
 
 def name(variant: str) -> str:
     """Return a variant's name in the tables."""
-    return str(paper()["names"].get(variant, variant))
+    return str(PAPER["names"].get(variant, variant))
 
 
 def _source(rows: Sequence[Row], advisor: str, about: Mapping[str, Any], command: str) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import reef_advisor, with_camera, with_camera_latency, with_deadline, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.sea.checklist import CheckLine, Equipment, blocking
+from coral.reef.sea.checklist import Equipment, blocking
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import prefer_process
 from coral.reef.sea.recorded_camera import read_camera
@@ -154,8 +154,8 @@ class ReefSail:
         if self.resume is not None:
             belief, _, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
-        for line in parts.camera.eyes.about if parts.camera.eyes else ():
-            self._say(line)
+        for told in parts.camera.eyes.about if parts.camera.eyes else ():
+            self._say(told)
         if self.yes and not parts.proven_simulation:
             found = f"{self.vehicle}, which may be a real vehicle"
             raise InputError("--yes", "", found, "--vehicle simulated, or --truth of a simulation")
@@ -189,20 +189,17 @@ class ReefSail:
             resumed="" if self.resume is None else f"{self.resume}, {many(len(landmarks.centres), 'landmark')}",
         )
 
-        def look() -> list[CheckLine]:
-            return watch_sensors(parts, area, self.safety, equipment, cfg.simulator.sonar)
-
+        lines = watch_sensors(parts, area, self.safety, equipment, cfg.simulator.sonar)
+        for line in lines:
+            self._say(str(line))
+        wrong = blocking(lines)
         if self.check:
-            lines = look()
-            self._print(lines)
-            return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
+            return {"ready": not wrong, "preflight": [str(line).strip() for line in lines]}
+        if wrong:
+            raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "sonar": self.sonar}
         about |= {"resumed": str(self.resume)} if self.resume is not None else {}
-        lines = look()
-        self._print(lines)
-        if wrong := blocking(lines):
-            raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         mission = SeaMission(area, sail, crew, folder, belief=belief, landmarks=landmarks, seed=self.seed, about=about)
         write_whole(folder / SurveyFiles.PREFLIGHT, "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / SurveyFiles.INBOX
@@ -266,10 +263,6 @@ class ReefSail:
     def _say(self, text: str) -> None:
         if not self.quiet:
             tell(text)
-
-    def _print(self, lines: Sequence[CheckLine]) -> None:
-        for line in lines:
-            self._say(str(line))
 
     def _arm(self, mission: SeaMission, parts: Parts, words: OperatorWords) -> None:
         """Wait for the operator's word, then arm.
