@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from coral.errors import InputError, first_line, install_extra
-from coral.foreign_file import check_tables, read_head, read_text
+from coral.foreign_file import check_tables, open_regular, read_head, read_text
 from coral.limits import CHUNK_BYTES
 from coral.unfinished_mcap import UnfinishedMcap, whole_bytes
 from coral.yaml_file import load_mapping
@@ -46,7 +46,7 @@ def bytes_cut(path: Path) -> int | None:
     """Return how many bytes at the end of MCAP files are no whole record; None where each file has its end."""
     cut = list[int]()
     for part in path.glob("*.mcap") if path.is_dir() else [path]:
-        with part.open("rb") as file:
+        with open_regular(part) as file:
             whole = whole_bytes(file)
             if whole is not None:
                 cut.append(file.seek(0, os.SEEK_END) - whole)

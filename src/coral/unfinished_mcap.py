@@ -12,6 +12,8 @@ import struct
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from coral.foreign_file import open_regular
+
 MAGIC = b"\x89MCAP0\r\n"
 _DATA_END = 0x0F
 _END = struct.pack("<BQI", _DATA_END, 4, 0) + struct.pack("<BQQQI", 0x02, 20, 0, 0, 0) + MAGIC
@@ -50,7 +52,7 @@ class UnfinishedMcap:
 
     def open(self, mode: str = "rb") -> BinaryIO:
         """Open the file. `mode` is "rb", as its readers ask for."""
-        file = self._path.open("rb")
+        file = open_regular(self._path)
         whole = whole_bytes(file)
         file.seek(0)
         return file if whole is None else io.BufferedReader(_Ended(file, whole))
