@@ -110,10 +110,7 @@ def draw_text(
     top = round(y - {"t": 0.0, "m": 0.5, "b": 1.0}[anchor[1]] * h)
     left, top = max(0, min(left, image.shape[1] - w)), max(0, min(top, image.shape[0] - h))
     patch = image[top : top + h, left : left + w]
-    letters, spread = (
-        letters[: patch.shape[0], : patch.shape[1], None],
-        spread[: patch.shape[0], : patch.shape[1], None],
-    )
+    letters, spread = (part[: patch.shape[0], : patch.shape[1], None] for part in (letters, spread))
     mixed: NDArray[np.float32] = patch * (1 - spread) + 255 * spread if halo else patch.astype(np.float32)
     patch[:] = np.rint(mixed * (1 - letters) + np.array(color, np.float32) * letters).astype(np.uint8)
 

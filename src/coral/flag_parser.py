@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, Literal, cast, get_args, get_origin, get_type_hints
 
 from coral.errors import InputError, nearest
@@ -120,8 +119,6 @@ def _value(word: str, base: Any, flag: Flag, where: str) -> Any:
             options = ", ".join(sorted(get_args(base)))
             raise InputError(where, flag.name, repr(word), f"one of {options}{nearest(word, get_args(base))}")
         return word
-    if base in (str, Path):
-        return base(word)
     try:
         return base(word)
     except ValueError:

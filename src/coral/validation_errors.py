@@ -44,19 +44,15 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
     if kind == "model_type":
         known = _keys(model, fault["loc"])
         return InputError(where, field, shown(value), f"a mapping with the keys {', '.join(known)}")
-    if kind == "model_attributes_type":  # one of several kinds, and no mapping that could tell which
-        return InputError(where, field, shown(value), "a mapping")
-    if kind == "tuple_type":
-        return InputError(where, field, shown(value), "a list")
     if kind == "value_error":
         return InputError(where, field, shown(value), str(fault["ctx"]["error"]))
-    expected = (
-        fault["msg"]
-        .removeprefix("Input should be ")
-        .replace("String should have", "text of")
-        .replace("String should match pattern", "text like")
-    )
+    said = fault["msg"].removeprefix("Input should be ").replace("String should have", "text of")
+    expected = _EXPECTED.get(kind) or said.replace("String should match pattern", "text like")
     return InputError(where, field, shown(value), expected)
+
+
+_EXPECTED = {"model_attributes_type": "a mapping", "tuple_type": "a list"}
+"""The first is of a value that may be one of several mappings, and is none."""
 
 
 def _dotted(place: Sequence[int | str]) -> str:

@@ -59,14 +59,12 @@ def test_tables_are_written_in_two_forms_and_told(store):
     assert result["results"][0]["rows"] == [{"variant": "a", "score": "7"}]
     for form in ("md", "html"):
         assert "Scores." in (store.folder / f"tables.{form}").read_text(encoding="utf-8")
-    more = {**result, "figure": "", "figures": ["one.png", "two.png"]}
-    told = describe_campaign(store.folder, more, "mission", ("tables", "figure", "figures"), [TABLE.name])
+    told = describe_campaign(store.folder, {**result, "memory": ""}, "mission", [TABLE.name])
     assert "Table I" in told
-    assert told.splitlines()[-4:] == [
+    assert told.splitlines()[-3:] == [
         f"1 mission; 1 failed (see {store.folder / 'failures'}; --retry-failed runs them again)",
+        f"data: {store.folder / 'results.parquet'}",
         f"tables: {store.folder / 'tables.md'}",
-        "figures: one.png",
-        "figures: two.png",
     ]
 
 

@@ -112,15 +112,10 @@ def run_specs(
     executor = _executor(flags, store)
     with store.lock():
         store.open(specs, conditions, command=command, mix=flags.mix, about=provenance())
+        progress = CampaignProgress(quiet=flags.quiet)
         try:
             summary = run_campaign(
-                store,
-                specs,
-                episode,
-                executor,
-                retry_failed=flags.retry_failed,
-                mix=flags.mix,
-                progress=CampaignProgress(quiet=flags.quiet),
+                store, specs, episode, executor, retry_failed=flags.retry_failed, mix=flags.mix, progress=progress
             )
         except KeyboardInterrupt:
             tell(f"stopped; the same command continues from here ({store.folder})")
@@ -192,28 +187,18 @@ def write_tables(
     }
 
 
-def describe_campaign(
-    out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str], first: Sequence[str]
-) -> str:
-    """Describe the tables that matter, two of those in `first`, the number of episodes, and where the files are.
-
-    `files` are keys of the result with a path, or a list of paths.
-    """
+def describe_campaign(out: Path, result: Mapping[str, Any], noun: str, first: Sequence[str]) -> str:
+    """Describe the tables that matter, two of those in `first`, the number of episodes, and where the files are."""
     failed = f"; {result['failed']} failed (see {out / 'failures'}; --retry-failed runs them again)"
     lines = [
         overview([_table(found) for found in result["results"]], first),
         f"{many(result['done'], noun)}{failed if result['failed'] else ''}",
+        *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result.get(name)),
     ]
-    for name in files:
-        paths = result[name] if isinstance(result[name], list) else [result[name]]
-        lines += [f"{name}: {path}" for path in paths if path]
     return "\n".join(lines)
 
 
 def _table(found: Mapping[str, Any]) -> Table:
     """Make a table of what `table_json` returned."""
-    rows = found["rows"]
-    header = tuple(rows[0]) if rows else ()
-    return Table(
-        found["name"], found["caption"], header, tuple(tuple(row.values()) for row in rows), tuple(found["notes"])
-    )
+    header, rows = tuple(next(iter(found["rows"]), ())), tuple(tuple(row.values()) for row in found["rows"])
+    return Table(found["name"], found["caption"], header, rows, tuple(found["notes"]))

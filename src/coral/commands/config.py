@@ -54,15 +54,15 @@ class ListConfig:
         values = self._values(place)
         asked = re.sub(rf"^({flag}|{flag[2:]})\.", "", self.key).replace("-", "_").strip(".")
         chosen = [each for each in about.flags if f"{'.'.join(each.field)}.".startswith(f"{asked}." if asked else "")]
-        chosen = [each for each in chosen if not self.departures or DEPARTS in _flat(each.text)]
+        chosen = [each for each in chosen if not self.departures or DEPARTS in each.text]
         if not chosen:
             keys = [".".join(each.field[:n]) for each in about.flags for n in range(1, len(each.field) + 1)]
             raise InputError(f"coral config {self.of}", "", repr(self.key), f"one of its keys{_near(asked, keys)}")
-        about_group = next((group.text for group in about.groups if _key(group.prefix) == asked), about.text)
+        groups = {group.prefix.removeprefix("--").replace("-", "_"): group.text for group in about.groups}
         return {
             "configuration": self.of,
             "key": asked,
-            "text": about_group if asked and len(chosen) > 1 else about.text,
+            "text": groups.get(asked, about.text) if len(chosen) > 1 else about.text,
             "keys": [_row(self.of, each, flag, values) for each in chosen],
         }
 
@@ -85,7 +85,7 @@ class ListConfig:
         rows = result["keys"]
         if self.departures:
             return "\n".join(
-                textwrap.fill(f"{row['key']} = {_amount(row)}: {_flat(row['text'])}", WIDTH, subsequent_indent="  ")
+                textwrap.fill(f"{row['key']} = {_amount(row)}: {row['text']}", WIDTH, subsequent_indent="  ")
                 for row in rows
             )
         if len(rows) == 1 and rows[0]["key"] == result["key"]:
@@ -98,18 +98,10 @@ class ListConfig:
         return "\n".join([textwrap.fill(result["text"], WIDTH), "", *lines, "", ends])
 
 
-def _flat(text: str) -> str:
-    return " ".join(text.split())
-
-
 def _near(asked: str, keys: list[str]) -> str:
     """Suggest the nearest key; its last part alone is looked for too."""
     whole = {key.rpartition(".")[2]: key for key in keys} | {key: key for key in keys}
     return re.sub(r"'(.+)'", lambda match: repr(whole[match[1]]), nearest(asked, whole))
-
-
-def _key(prefix: str) -> str:
-    return prefix.removeprefix("--").replace("-", "_")
 
 
 def _row(of: str, flag: Flag, prefix: str, values: Any) -> dict[str, Any]:

@@ -162,8 +162,7 @@ class ContactBench(CampaignFlags):
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        files = ("data", "tables", "memory")
-        return describe_campaign(self.out, result, "episode", files, ("Table 1, success", "Against"))
+        return describe_campaign(self.out, result, "episode", ("Table 1, success", "Against"))
 
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""
@@ -216,7 +215,7 @@ class ContactBench(CampaignFlags):
         content["tracked"]["foundationpose"].pop("url")
         whole = {"episode": content, "model": to_mapping(self.model)}
         return {
-            "code version": f"{code_version()}",
+            "code version": code_version(),
             "configuration": digest(whole),
             "memory": "none" if memory is None else digest([{**one, "created": ""} for one in memory["experiences"]]),
             **{f"task {name}": _task_digest(task) for name, task in tasks.items()},
@@ -225,10 +224,8 @@ class ContactBench(CampaignFlags):
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "episode", "coral contact bench")
         tables = contact_tables(results.rows, results.about, results.command)
-        return {
-            **write_tables(store, results, tables, "Contact tasks", summary),
-            "memory": self._export_memories(store),
-        }
+        result = write_tables(store, results, tables, "Contact tasks", summary)
+        return {**result, "memory": self._export_memories(store)}
 
     def _export_memories(self, store: Store) -> str:
         """Export the new experiences of all trials of `full`, in order, as one file; "" if there are none.

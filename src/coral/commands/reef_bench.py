@@ -149,7 +149,7 @@ class ReefBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         shown = SHOWN if len(parse_names(self.variants, "--variants")) > 1 else SHOWN_OF_ONE
-        return describe_campaign(self.out, result, "mission", ("data", "tables"), shown)
+        return describe_campaign(self.out, result, "mission", shown)
 
     @property
     def _keep(self) -> frozenset[str]:
@@ -198,7 +198,7 @@ class ReefBench(CampaignFlags):
         cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
         cfg["mission"].pop("record")
         return {
-            "code version": f"{code_version()}",
+            "code version": code_version(),
             "configuration": digest(cfg),
             **{
                 f"preset {name}": digest({key: v for key, v in named(name).values.items() if key not in self._keep})

@@ -104,13 +104,14 @@ class RunResult:
         return figure
 
     def _repr_html_(self) -> str:
-        shown = {key: self.metrics[key] for key in self._shown if key in self.metrics}
-        page: str = our_part("plot", "page", "plot")(Path(str(self.folder)).name, shown, self.plot())
+        page: str = our_part("plot", "page", "plot")(self.folder.name, self._summary(), self.plot())
         return page
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{key}={self.metrics[key]!r}" for key in self._shown if key in self.metrics)
-        return f"{type(self).__name__}({shown})"
+        return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in self._summary().items())})"
+
+    def _summary(self) -> dict[str, Any]:
+        return {key: self.metrics[key] for key in self._shown if key in self.metrics}
 
     _system = ""
     _shown: tuple[str, ...] = ("end_reason",)

@@ -78,7 +78,6 @@ def _two_axes() -> tuple[Figure, tuple[Axes, Axes]]:
 
 
 def _finish(axes: Axes, quantity: str) -> None:
-    axes.set_xlabel("simulated time (s)")
-    axes.set_ylabel(quantity)
+    axes.set(xlabel="simulated time (s)", ylabel=quantity)
     axes.grid(alpha=0.3)
     axes.legend()

@@ -35,10 +35,7 @@ def preview(world: ReefWorld, path: Path) -> Path:
         fontsize=12,
         parse_math=False,
     )
-    axes.set_xlabel("x (m)")
-    axes.set_ylabel("y (m)")
-    axes.set_xlim(-0.2, width + 0.2)
-    axes.set_ylim(-0.2, height + 0.2)
+    axes.set(xlabel="x (m)", ylabel="y (m)", xlim=(-0.2, width + 0.2), ylim=(-0.2, height + 0.2))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=8, integer=True, steps=[1, 2, 5, 10]))
     spacing = {"fontsize": 9.5, "handletextpad": 0.4, "columnspacing": 1.4}

@@ -189,9 +189,7 @@ def _write_tables(found: _Dataset, out: Path, cfg: LerobotCfg) -> None:
     for folder in (Path(DATA).parent, Path(EPISODES).parent):
         (out / folder).mkdir(parents=True, exist_ok=True)
     parquet.write_table(pa.table(found.columns, schema=pa.schema(fields)), out / DATA)
-    names = list(found.episodes[0])
-    columns = {name: [episode[name] for episode in found.episodes] for name in names}
-    parquet.write_table(pa.table(columns), out / EPISODES)
+    parquet.write_table(pa.Table.from_pylist(found.episodes), out / EPISODES)
     parquet.write_table(_task_table(found.tasks), out / "meta/tasks.parquet")
     info = {
         "codebase_version": "v3.0",

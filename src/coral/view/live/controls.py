@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from coral.errors import InputError
 from coral.view.live.pace import Pace
+from coral.view.records import is_number
 
 if TYPE_CHECKING:
     from coral.contact.control.term_weights import TermWeights
@@ -68,11 +69,11 @@ class RunControls:
             self.pace.end()
         elif name == INSTRUCT:
             return _instructed(self._instruct, value)
-        elif name == "speed" and _is_number(value) and 0 <= value <= 1000:
+        elif name == "speed" and is_number(value) and 0 <= value <= 1000:
             self.pace.speed = float(value)
         elif name == "weight" and isinstance(value, list) and len(value) == 3 and self._weights is not None:
             stage, term, factor = value
-            if not (isinstance(stage, str) and isinstance(term, str) and _is_number(factor)):
+            if not (isinstance(stage, str) and isinstance(term, str) and is_number(factor)):
                 return False
             self._weights.set(stage[:200], term[:200], min(max(float(factor), 0.0), MOST))
         else:
@@ -131,7 +132,3 @@ class SurveyControls:
         if word is not None:
             self._words.say(word, "page")
         return word is not None
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
