@@ -261,6 +261,17 @@ def test_at_sea_the_answer_stands_alone_and_the_report_says_why(fresh):
     assert "Nobody judges it: at sea nobody knows the truth." in html
 
 
+def test_figures_by_the_vehicles_own_map_are_said_to_be_so(fresh):
+    assert "True clusters:" in page(fresh)
+    assert "of its own map" not in page(fresh)
+    with_events(fresh, {"event": "start", "judged_by": OWN_MAP})
+    html = page(fresh)
+    for words in ("oyster clusters of its own map", "on that map, putting", "clusters on the vehicle&#39;s own map"):
+        assert words in html
+    for words in ("True clusters:", "true oyster clusters of which", "True distance", 'data-layer="truth"'):
+        assert words not in html
+
+
 def test_another_mission_has_no_section_of_its_own(fresh):
     assert 'id="mission"' not in page(fresh)
 

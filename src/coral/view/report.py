@@ -69,13 +69,14 @@ def render_report(run: RunFolder) -> str:
         size=_size(run),
         metrics=metrics,
         headline=_headline(run, metrics),
-        tiles=_tiles(metrics, mission),
+        tiles=_tiles(metrics, mission, own=_by_own_map(run)),
         map=Markup(drawing.draw(made)),
         decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
         pictures=pictures,
         rows=metric_rows(metrics, DEFINITIONS),
         truth=_truth_counts(run),
+        truth_known=not _by_own_map(run),
         mission=mission,
         states=_states(run),
         left=[] if mission else _left(run),
@@ -104,6 +105,11 @@ def _size(run: RunFolder) -> tuple[float, float]:
     return max(10.0, math.ceil(reach[0] + 2)), max(10.0, math.ceil(reach[1] + 2))
 
 
+def _by_own_map(run: RunFolder) -> bool:
+    """Whether nobody knows the truth: coverage and contacts are by the vehicle's own map, as in real water."""
+    return any(e.get("judged_by") == OWN_MAP for e in run.select("start"))
+
+
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not metrics or not metrics.get("steps"):
         return "Nothing was recorded yet."
@@ -113,6 +119,8 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if total and covered == total:
         found = f"all {total} oyster clusters" if total > 1 else "the only oyster cluster"
     safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
+    if _by_own_map(run):
+        found, safe = f"{found} of its own map", f"{safe} on that map"
     had = "" if run.complete else "had "
     verb = f"{had}covered {found} and surveyed" if total or not run.select("instruction") else f"{had}travelled"
     asked = many(int(metrics.get("advisor_calls", 0)), "question")
@@ -138,15 +146,16 @@ def _fallback(run: RunFolder) -> Fallback:
     return found
 
 
-def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Return (value, unit or remark, name, state) of the key numbers."""
+def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any], *, own: bool) -> list[tuple[str, str, str, str]]:
+    """Return (value, unit or remark, name, state) of the key numbers, which may be by the vehicle's own map."""
     if not metrics:
         return []
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     collisions = int(metrics.get("collisions", 0))
     closest = metrics.get("min_clearance_m")
     whole = "good" if total and covered == total else ""
-    covering = (f"{float(metrics.get('coverage', 0)):.0%}", f"{covered} of {total} clusters", "coverage", whole)
+    of_clusters = f"{covered} of {total} clusters{' of its own map' if own else ''}"
+    covering = (f"{float(metrics.get('coverage', 0)):.0%}", of_clusters, "coverage", whole)
     if mission and not total:  # a reef without oysters
         met = sum(verdict == "met" for _, verdict, _ in mission["rows"])
         covering = (mission["verdict"], f"{met} of {len(mission['rows'])} conditions met", "mission", "")
@@ -155,7 +164,12 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple
     return [
         covering,
         (str(collisions), passed, "collisions", "bad" if collisions else "good"),
-        (clock(float(metrics.get("sim_time_s", 0))), "minutes, simulated", "survey time", ""),
+        (
+            clock(float(metrics.get("sim_time_s", 0))),
+            "minutes" if "late_ticks" in metrics else "minutes, simulated",
+            "survey time",
+            "",
+        ),
         (f"{float(metrics.get('distance_m', 0)):.0f} m", "along the path", "distance", ""),
         (str(metrics.get("advisor_calls", 0)), again, "advisor calls", ""),
         (str(metrics.get("deviations", 0)), "beyond the paper's fixed angles", "deviations", ""),
@@ -191,7 +205,9 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         return []
     bare = bool(run.select("instruction")) and not _truth_counts(run)
     imaging = "" if bare else imaging_chart(run)
-    covering = "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one."
+    own = _by_own_map(run)
+    clusters = "oyster clusters on the vehicle's own map" if own else "true oyster clusters"
+    covering = f"Share of the {clusters} of which at least 60 % has been seen; each mark is one."
     return [
         *([] if bare else [("Coverage", covering, coverage_chart(run))]),
         *([(IMAGING, IMAGING_NOTE, imaging)] if imaging else []),
@@ -206,7 +222,8 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         ("Speed", "Speed over ground and the controller's command.", speed_chart(run)),
         (
             "Clearance",
-            "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. "
+            f"{'Distance' if own else 'True distance'} between the robot's hull (a 0.3 m disc) and the nearest obstacle"
+            f"{' on its own map' if own else ''}. "
             "Shaded: nearer than the hull's own radius; at 0 m (red line) it touches.",
             clearance_chart(run),
         ),
@@ -235,14 +252,13 @@ def _mission(run: RunFolder) -> dict[str, Any]:
     ]
     met = judged.get("met")
     changes = [(clock(float(e["t"])), str(e.get("by", "")), str(e.get("text", ""))) for e in told]
-    at_sea = any(e.get("judged_by") == OWN_MAP for e in run.select("start"))
     return {
         "text": changes[-1][-1] if changes else str(judged.get("text", "")),
         "changes": changes if len(changes) > 1 else [],
         "verdict": "not judged" if met is None else "fulfilled" if met else "not fulfilled",
         "answer": judged.get("answer"),
         "rows": rows,
-        "unjudged": "at sea nobody knows the truth" if at_sea else "no conditions are known for these words",
+        "unjudged": "at sea nobody knows the truth" if _by_own_map(run) else "no conditions are known for these words",
         "marks": [
             (str(one.dot), f"({one.x:.1f}, {one.y:.1f}) m", one.label or "–", "yes" if one.skip else "", one.why)
             for one in said_by(run.events)
