@@ -86,7 +86,7 @@ class ContactCalibrate:
     def _draw(self, path: Path) -> dict[str, Any]:
         import cv2
 
-        from coral.contact.real_scenes.calibration.charuco_board import FORM, CharucoBoard
+        from coral.calibration_board import FORM, CharucoBoard
 
         if self.board is None:
             raise InputError("--board", "", "nothing", FORM)
@@ -119,18 +119,21 @@ class ContactCalibrate:
     def _by_board(self, frames: list[RgbdFrame]) -> tuple[CameraCalibration, str]:
         import numpy as np
 
+        from coral.calibration_board import LEAST_CORNERS, CharucoBoard
         from coral.contact.real_scenes.calibration.board_calibration import (
             calibrate_by_held_board,
             calibrate_by_placed_board,
         )
         from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
-        from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
         from coral.contact.scene.geometry import rotation_about
         from coral.contact.scene.rigid_transform import pose_matrix
 
         assert self.board is not None
         board = CharucoBoard(self.board)
-        seen = [board.find(frame) for frame in frames]
+        colours = [frame.rgb for frame in frames if frame.rgb is not None]
+        if len(colours) < len(frames):
+            raise InputError("--camera", "", "a picture without colours", "pictures with colours, which show the board")
+        seen = [board.find(rgb) for rgb in colours]
         shown = [(one, frame) for one, frame in zip(seen, frames, strict=True) if one is not None]
         if not shown:
             expected = f"{LEAST_CORNERS} corners of the board {self.board} in a picture"

@@ -4,13 +4,13 @@ import cv2
 import numpy as np
 import pytest
 
+from coral.calibration_board import CharucoBoard
 from coral.contact.perception.camera import RgbdFrame, look_at
 from coral.contact.real_scenes.calibration.board_calibration import (
     calibrate_by_held_board,
     calibrate_by_placed_board,
     solve_robot_world,
 )
-from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
 from coral.contact.scene.geometry import rotation_from_vector
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import InputError
@@ -51,7 +51,7 @@ def held(board):
     steps = [(rotation_from_vector(turn), [0.01 * k, -0.02 * k, 0.55 + 0.02 * k]) for k, turn in enumerate(turns)]
     tools = [PLACED @ pose_matrix(*step) for step in steps]
     frames = [picture(board, tool @ T_tool_board) for tool in tools]
-    return frames, [board.find(frame) for frame in frames], tools
+    return frames, [board.find(frame.rgb) for frame in frames], tools
 
 
 def off(found):
@@ -60,7 +60,7 @@ def off(found):
 
 def test_a_board_at_a_known_place_tells_where_the_camera_stands(board):
     frame = picture(board, FLAT)
-    found = calibrate_by_placed_board([board.find(frame)], [frame], FLAT)
+    found = calibrate_by_placed_board([board.find(frame.rgb)], [frame], FLAT)
     assert off(found.T_world_camera) < 2.0
     assert found.residuals["rms_px"] < 0.5
     assert abs(found.residuals["depth_off_percent"]) < 1.0
@@ -69,13 +69,13 @@ def test_a_board_at_a_known_place_tells_where_the_camera_stands(board):
 def test_squares_of_another_size_are_noticed_by_depth(board):
     frame = picture(board, FLAT, depth_factor=1.1)
     with pytest.raises(InputError, match=r"\+10% off"):
-        calibrate_by_placed_board([board.find(frame)], [frame], FLAT)
+        calibrate_by_placed_board([board.find(frame.rgb)], [frame], FLAT)
 
 
 def test_a_board_that_moved_is_refused(board):
     frames = [picture(board, FLAT), picture(board, FLAT @ pose_matrix(np.eye(3), [0.01, 0, 0]))]
     with pytest.raises(InputError, match=r"a residual of .* pixels"):
-        calibrate_by_placed_board([board.find(frame) for frame in frames], frames, FLAT)
+        calibrate_by_placed_board([board.find(frame.rgb) for frame in frames], frames, FLAT)
 
 
 def test_a_board_in_the_hand_and_a_wrong_pose(board):

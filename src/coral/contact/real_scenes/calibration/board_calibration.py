@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from coral.calibration_board import SeenBoard
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
-from coral.contact.real_scenes.calibration.charuco_board import SeenBoard
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.geometry import rotation_angle
 from coral.contact.scene.observation import Array

@@ -1,4 +1,4 @@
-"""A ChArUco board: its description in a word, its picture to print, and its corners in pictures."""
+"""A board to calibrate with, ChArUco or chess: its description in a word, its print, its corners in pictures."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.camera import RgbdFrame
-from coral.contact.scene.observation import Array
 from coral.errors import InputError
 
+Array = NDArray[np.float64]
+
 FORM = "COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03"
+ANY_FORM = "COLUMNSxROWS:SQUARE_M[:MARKER_M[:DICTIONARY]], for example 9x6:0.03:0.022; 9x6:0.03 has no markers"
 DICTIONARY = "4X4_50"
 LEAST_CORNERS = 6
 """Corners in a picture that make it count."""
@@ -68,18 +69,45 @@ class CharucoBoard:
         columns, rows = self.size
         return np.asarray(self._board.generateImage((columns * pixels_per_square, rows * pixels_per_square)), np.uint8)
 
-    def find(self, frame: RgbdFrame) -> SeenBoard | None:
-        """Find the board's corners in a picture; None if too few are seen.
-
-        Raises:
-            InputError: The picture has no colours.
-        """
-        if frame.rgb is None:
-            raise InputError("--camera", "", "a picture without colours", "pictures with colours, which show the board")
-        grey = cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY)
+    def find(self, rgb: NDArray[np.uint8]) -> SeenBoard | None:
+        """Find the board's corners in a picture, Shape=(H, W, 3), red first; None if too few are seen."""
+        grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
         for board, detector in self._detectors:
             corners, numbers, _, _ = detector.detectBoard(grey)
             if numbers is not None and len(numbers) >= LEAST_CORNERS:
                 points, pixels = board.matchImagePoints(corners, numbers)
                 return SeenBoard(np.asarray(points, float).reshape(-1, 3), np.asarray(pixels, float).reshape(-1, 2))
         return None
+
+
+class Chessboard:
+    """A board of squares without markers, which is found only where all of its inner corners are seen."""
+
+    def __init__(self, columns: int, rows: int, square_m: float) -> None:
+        self.size, self.square_m = (columns, rows), square_m
+        across, down = np.meshgrid(np.arange(1.0, columns), np.arange(1.0, rows))
+        self._points = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)]) * square_m
+
+    def find(self, rgb: NDArray[np.uint8]) -> SeenBoard | None:
+        """Find the board's inner corners in a picture, Shape=(H, W, 3), red first; None if it is not all seen."""
+        inner = (self.size[0] - 1, self.size[1] - 1)
+        how = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
+        found, corners = cv2.findChessboardCornersSB(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), inner, flags=how)
+        return SeenBoard(self._points, np.asarray(corners, float).reshape(-1, 2)) if found else None
+
+
+def parse_board(word: str, where: str = "--board") -> CharucoBoard | Chessboard:
+    """Return the board that a word describes: one with markers if it tells their size.
+
+    Raises:
+        InputError: It describes none.
+    """
+    plain = re.fullmatch(r"(\d{1,3})x(\d{1,3}):(\d*\.?\d+)", word)
+    if plain is None:
+        if not re.fullmatch(r"\d+x\d+:[^:]+:.+", word):
+            raise InputError(where, "", repr(word), ANY_FORM)
+        return CharucoBoard(word, where)
+    columns, rows, square_m = int(plain[1]), int(plain[2]), float(plain[3])
+    if not (4 <= columns <= 40 and 4 <= rows <= 40 and 0.001 < square_m < 1.0):
+        raise InputError(where, "", repr(word), f"4 to 40 squares a side: {ANY_FORM}")
+    return Chessboard(columns, rows, square_m)
