@@ -35,9 +35,9 @@ class CameraCalibrate:
     board: Annotated[str, Option(metavar="BOARD")]
     """The board, COLUMNSxROWS:SQUARE_M[:MARKER_M[:DICTIONARY]] in squares: 9x6:0.03:0.022 is a ChArUco board, 9x6:0.03
     a plain chessboard. `coral contact calibrate --draw` draws the first."""
-    model: DistortionModel | None = None
-    """Of the distortion; equidistant is OpenCV's fisheye. By default equidistant where it is clearly better than
-    plumb_bob on pictures that the fit did not know."""
+    model: Annotated[DistortionModel | None, Option(metavar="MODEL")] = None
+    """plumb_bob, rational_polynomial or equidistant, which is OpenCV's fisheye. By default equidistant where it is
+    clearly better than plumb_bob on pictures that the fit did not know."""
     pitch_down_deg: Signed = 15.0
     """Tilt of the camera on the vehicle (degrees), for the file."""
     out: Path = Path("camera.yaml")
