@@ -7,7 +7,7 @@ import pytest
 from echoes import SMALL
 
 from coral.reef.map.mapping import MapCfg, OccupancyMap
-from coral.reef.map.sight_layer import SightLayerCfg
+from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
@@ -49,6 +49,28 @@ def test_an_obstacle_stands_at_its_foot_however_far_the_network_puts_it(depth_er
     drive(cells, APPROACH, POST, depth_error=depth_error)
     assert len(distances(cells)) > 3
     assert np.mean(np.abs(distances(cells) - 0.2) < 0.25) > 0.9  # lines past its sides meet no foot
+
+
+def test_no_obstacle_is_under_the_vehicle():
+    cells = OccupancyMap((10.0, 10.0), CAMERA)
+    drive(cells, [(2.0, 2.0)])
+    false = np.s_[38:43, 36:50]  # from 0.2 m behind the vehicle's middle to 0.5 m before it
+    cells.sight.obstacle[false] = cells.sight._sure[false] = True
+    cells.sight.odds[false] = 4.0
+    cells.integrate(seen(Pose(2.0, 2.0, 1.5)), Pose(2.0, 2.0, 1.5))
+    away = distances(cells, 2.025, 2.025)
+    assert 0.2 < away.min() < 0.26
+    assert away.max() > 0.4
+    assert cells.sight.odds[40, 40] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("place", "freed"), [((0.02, 0.02), 17), ((9.98, 9.98), 17), ((-3.0, 5.0), 0), ((5.0, 14.0), 0)]
+)
+def test_the_vehicle_may_be_at_the_edge_of_the_map_and_beyond(place, freed):
+    layer = SightLayer(np.ones((200, 200), np.bool_), 0.05, CAMERA, SightLayerCfg())
+    assert layer._clear_under(Pose(*place, 0.0)) is (freed > 0)
+    assert (~layer.obstacle).sum() == freed
 
 
 def test_a_thing_without_a_foot_is_where_its_depth_puts_it():

@@ -24,6 +24,9 @@ FLOOR_DOUBT = 0.3
 """Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
 GAP_PX = 2
 """A line of sight ends where more rows of floor are missing."""
+UNDER_M = 0.2
+"""No obstacle is so near to the middle of the vehicle, whose hull has a radius of 0.3 m; the rest is for errors of the
+map. One that a network saw there would let it go nowhere: every way begins in it."""
 BACK_M = 0.15
 BACK_SHARE = 0.1
 """Water within `back_m` and this share of its distance in front of an obstacle is not marked free."""
@@ -131,7 +134,7 @@ class SightLayer:
         if self.counted:
             self._last = pose
             self._pictures += 1
-        return bool(
+        changed = bool(
             trace(
                 ranges,
                 first,
@@ -158,3 +161,20 @@ class SightLayer:
                 self.obstacle,
             )
         )
+        return self._clear_under(pose) or changed
+
+    def _clear_under(self, pose: Pose) -> bool:
+        """Free the cells under the vehicle. Returns whether one was an obstacle."""
+        iy, ix, reach = (math.floor(value / self._cell_m) for value in (pose.y, pose.x, UNDER_M))
+        box = tuple(
+            slice(max(at - reach, 0), min(max(at + reach + 1, 0), edge))
+            for at, edge in zip((iy, ix), self.obstacle.shape, strict=True)
+        )
+        if not self.obstacle[box].any():
+            return False
+        y, x = np.ogrid[box]
+        under = np.hypot(x - ix, y - iy) <= reach
+        found = bool((self.obstacle[box] & under).any())
+        self.obstacle[box][under] = self._sure[box][under] = False
+        self.odds[box][under] = np.minimum(self.odds[box][under], 0.0)
+        return found
