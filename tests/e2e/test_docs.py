@@ -74,7 +74,7 @@ def test_the_flags_of_a_page_exist(page):
             break  # the rest is of that commit
         if words[:1] != ["coral"]:
             continue
-        two = " ".join(words[1:3]) if words[1] in ("reef", "contact", "advisor", "memory") else words[1]
+        two = " ".join(words[1:3]) if " ".join(words[1:3]) in COMMANDS else words[1]
         for flag in re.findall(r"(?<=\s)(--[a-z][\w.-]*)", line):
             assert flag in (*known(two), "--help"), f"{flag} in: {line}"
 
