@@ -358,6 +358,15 @@ def test_a_speck_mapped_within_the_hull_does_not_hold_the_robot(bearing):
     assert np.hypot(*(trace[:, :2] - speck).T).min() > 0.17 - 0.08
 
 
+@pytest.mark.parametrize("bearing", [2.24, 3.29, 4.48, 4.55])
+def test_a_speck_that_only_later_steps_find_does_not_hold_the_robot(bearing):
+    """It lies at the hull's boundary, beside the points that the first step checks."""
+    distance = discs((6.0 + 0.305 * math.cos(bearing), 6.0 + 0.305 * math.sin(bearing), 0.0))
+    vehicle, _, plans = go(DdpMppi(rng=np.random.default_rng(1)), distance, (6.0, 6.0, bearing + 0.3), (9.0, 6.0), 30.0)
+    assert math.dist(vehicle.state[:2], (9.0, 6.0)) < 0.35
+    assert plans[0].ok
+
+
 def test_fewer_or_more_rollouts_and_steps_are_only_a_configuration():
     for cfg in (MppiCfg(n_rollouts=50, n_steps=5), MppiCfg(uniform=True), MppiCfg(costs=CostCfg(path=0.2))):
         vehicle, _, _ = go(DdpMppi(cfg, rng=np.random.default_rng(1)), OPEN, (4.0, 6.0, 0.0), (7.0, 6.0), 20.0)

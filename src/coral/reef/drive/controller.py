@@ -13,7 +13,14 @@ from pydantic import Field
 from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
 from coral.mppi.weights import softmax_weights, weighted_mean
-from coral.reef.drive.controller_kernels import RolloutScene, Schedule, clearance_at, rollout, shape_samples
+from coral.reef.drive.controller_kernels import (
+    RolloutScene,
+    Schedule,
+    clearance_at,
+    hull_is_free,
+    rollout,
+    shape_samples,
+)
 from coral.reef.drive.cost_terms import COSTS, CostCfg, Scales
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.dynamics import planar
@@ -276,8 +283,22 @@ class DdpMppi:
             return scene
         if spare > 0.0:
             stopping = math.hypot(start[3], start[4]) * self.response.surge_lag_s
-            return scene._replace(margin_m=max(spare - stopping, 0.0))
-        return scene._replace(margin_m=0.0, hull_m=max(near - 2.0 * slack, 0.05))
+            least = scene._replace(margin_m=max(spare - stopping, 0.0))
+            if self._stands(least, x, y):
+                return least
+        least = scene._replace(margin_m=0.0, hull_m=max(near - 2.0 * slack, 0.05))
+        if self._stands(least, x, y):
+            return least
+        # With this the blur of the two cells compared, half a diagonal each, cannot matter.
+        return scene._replace(margin_m=0.0, hull_m=max(near - 3.0 * slack, 0.05))
+
+    def _stands(self, scene: RolloutScene, x: float, y: float) -> bool:
+        """Check whether a robot that stays at (x, y) is feasible: each step checks other points of the boundary."""
+        steps = zip(self.schedule.circle, self.schedule.points, strict=True)
+        return all(
+            hull_is_free(scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, x, y, points, n)
+            for points, n in steps
+        )
 
     def _sample(self, start: Array) -> Array:
         """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2)."""
