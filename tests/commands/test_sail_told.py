@@ -17,6 +17,7 @@ from coral.commands.sail_told import TOLD, survey_told, told
             {"event": "place", "landmarks": 9, "recognised": 4, "x": 0.3, "y": 0.4, "theta": 0.1},
             "saved map: 4 of 9 landmarks recognised, odometry off by 0.50 m and 6 degrees",
         ),
+        ({"event": "planner_failure", "reason": "no feasible rollout"}, "stands, no feasible rollout: drive it free"),
         ({"event": "place", "landmarks": 9, "recognised": 0}, "none of 9 landmarks recognised"),
     ],
 )
@@ -36,3 +37,12 @@ def test_what_happens_is_said_and_the_rest_is_not():
             mission.record.listeners[0](event)
     assert [line.partition(" ")[2] for line in said] == ["holding: x"]
     assert shown == [{"event": "state", "t": 3.0, "state": "holding", "reason": "x"}]
+
+
+def test_a_vehicle_without_a_way_is_told_of_once_a_minute_and_not_at_once():
+    said, mission = [], SimpleNamespace(record=SimpleNamespace(listeners=[]))
+    failing = [*range(50), *range(100, 200)]  # seconds; between them it drove
+    with survey_told(mission, said.append):
+        for t in (tick / 10.0 for second in failing for tick in range(10 * second, 10 * second + 10)):
+            mission.record.listeners[0]({"event": "planner_failure", "t": t, "reason": "x"})
+    assert [line.partition(" ")[0] for line in said] == ["0:20", "2:00", "3:00"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -11,8 +12,27 @@ from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.view.charts import clock
 
-TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction", "place")
+TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction", "place", "planner_failure")
 """Events that the operator is told of."""
+FENCED_S = 20.0
+"""Without a safe motion for this long, the vehicle does not get away by itself soon; said again after each minute."""
+
+
+class _Fenced:
+    """Picks, of the failures to find a safe motion, which come at every tick, those that are worth a line."""
+
+    def __init__(self) -> None:
+        self._last = self._said = -math.inf
+        self._since = 0.0
+
+    def worth_a_line(self, t: float) -> bool:
+        if t - self._last > 1.0:
+            self._since, self._said = t, -math.inf
+        self._last = t
+        if t - self._since < FENCED_S or t - self._said < 60.0:
+            return False
+        self._said = t
+        return True
 
 
 @contextmanager
@@ -23,7 +43,7 @@ def survey_told(
 
     `desk` tells the people who answer at the desk of an event.
     """
-    work = BackgroundWork()
+    work, fenced = BackgroundWork(), _Fenced()
 
     def show(event: Mapping[str, Any]) -> None:
         if line := told(event):
@@ -32,7 +52,7 @@ def survey_told(
             desk(event)
 
     def hear(event: Mapping[str, Any]) -> None:
-        if event["event"] in TOLD:
+        if event["event"] in TOLD and (event["event"] != "planner_failure" or fenced.worth_a_line(float(event["t"]))):
             work.offer(lambda: show(event))
 
     mission.record.listeners.append(hear)
@@ -53,6 +73,8 @@ def told(event: Mapping[str, Any]) -> str:
         return f"{at} saved map: {place_told(event)}"
     if kind == "awaited":
         return f"{at}   {event['ends_when']}" if event["ends_when"] else ""
+    if kind == "planner_failure":
+        return f"{at} stands, {reason}: drive it free by hand (in another mode), then type r; or q ends the survey"
     if kind == "limit":
         return f"{at} limit: {reason}; {event['action']}"
     if kind == "recording_stopped":
