@@ -1,6 +1,6 @@
 import numpy as np
 
-from coral.reef.eyes.ground_plane import ground_depth, network_input
+from coral.reef.eyes.ground_plane import ground_depth, network_input, standing_depth
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
@@ -29,3 +29,16 @@ def test_the_network_reads_colours_about_zero_and_inverse_depth():
     picture = network_input(rgb, np.array([[2.0, np.inf], [0.1, 4.0]], np.float32))
     assert picture[:, 0, 0].tolist() == [1.0, -1.0, -1.0, 0.5]
     assert picture[3].tolist() == [[0.5, 0.0], [4.0, 0.25]]
+
+
+def test_floor_lies_on_the_plane_and_obstacles_stand_on_it():
+    labels = np.array([[0, 2, 2], [3, 2, 0], [3, 1, 3]], np.uint8)
+    ground = np.array([[np.inf] * 3, [4.0] * 3, [2.0] * 3], np.float32)
+    expected = [[np.inf, 4.0, np.inf], [4.0, 4.0, np.inf], [2.0, 2.0, 2.0]]
+    assert standing_depth(labels, ground).tolist() == expected
+
+
+def test_each_obstacle_of_a_column_has_its_own_foot():
+    labels = np.array([[2], [3], [2], [2]], np.uint8)
+    ground = np.array([[8.0], [4.0], [3.0], [2.0]], np.float32)
+    assert standing_depth(labels, ground).ravel().tolist() == [8.0, 4.0, 2.0, 2.0]

@@ -12,7 +12,6 @@ from coral.reef.map.chain import (
     order_chain,
     spanning_tree,
 )
-from coral.reef.map.mapping import Hint
 
 CELL = 0.05
 
@@ -105,15 +104,15 @@ def test_unmatched_tracks_expire_and_their_label_is_never_used_again():
 
 def test_what_was_seen_from_afar_keeps_its_label_when_the_map_shows_it():
     tracker = CentroidTracker()
-    tracker.update([component(1.0, 1.0)], [Hint(9.0, 1.0, 0.5)])
+    tracker.update([component(1.0, 1.0)], [(9.0, 1.0)])
     assert [(t.index, t.far) for t in tracker.tracks] == [(0, False), (1, True)]
-    tracker.update([component(1.0, 1.0), component(8.0, 2.0)], [Hint(9.0, 1.0, 0.5)])
+    tracker.update([component(1.0, 1.0), component(8.0, 2.0)], [(9.0, 1.0)])
     assert [(t.index, t.far, t.x) for t in tracker.tracks] == [(0, False, 1.0), (1, False, 8.0)]
 
 
 def test_what_was_seen_from_afar_goes_when_nothing_is_there():
     tracker = CentroidTracker()
-    tracker.update([], [Hint(9.0, 1.0, 0.5)])
+    tracker.update([], [(9.0, 1.0)])
     assert tracker.update([]) == []
 
 
@@ -148,7 +147,7 @@ def test_a_cluster_is_doubtful_while_pictures_disagree_about_its_cells(agreement
 
 def test_what_was_seen_from_afar_has_no_cells_to_doubt():
     tracker = CentroidTracker()
-    tracker.update([], [Hint(9.0, 1.0, 0.5)])
+    tracker.update([], [(9.0, 1.0)])
     tracker.doubt(lambda cells: 0.0, 0.33)
     assert not tracker.tracks[0].doubtful
 
@@ -169,7 +168,7 @@ def test_visited_is_remembered():
 
 def test_one_cluster_that_is_seen_from_afar_twice_has_one_dot():
     tracker = CentroidTracker()
-    tracker.update([], [Hint(8.0, 4.0, 0.3), Hint(9.2, 4.0, 0.2)])
+    tracker.update([], [(8.0, 4.0), (9.2, 4.0)])
     assert [(t.x, t.far) for t in tracker.tracks] == [(8.0, True)]
-    tracker.update([], [Hint(8.1, 4.0, 0.3), Hint(13.0, 4.0, 0.3)])
+    tracker.update([], [(8.1, 4.0), (13.0, 4.0)])
     assert [t.index for t in tracker.tracks] == [0, 1]

@@ -18,8 +18,7 @@ from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.robot import Robot
 from coral.reef.pilot.pilot import Pilot
-from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
-from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.simulation.simulator import ReefSimulator, SimulatedVehicle, SimulatorCfg
 from coral.reef.vehicle.sensing import Attitude, Stamped
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import operator
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from coral.reef.pilot import checks
 from coral.reef.pilot.checks import UnfitMeasurement, finite_numbers
 from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.sensing import Stamped
 from coral.reef.world.geometry import Frame, Label, Pose
 
 CAMERA = CameraCfg(width=8, height=6)
@@ -114,3 +116,22 @@ def test_bare_seabed_may_look_the_same_everywhere():
     assert not checks.has_landmarks(picture().labels)
     for label in (Label.OYSTER, Label.OBSTACLE):
         assert checks.has_landmarks(picture(label=label).labels)
+
+
+def hangs(measured, velocity):
+    sensor = checks.FrozenSensor(operator.eq, way_m=0.05, turn_rad=0.05)
+    return [sensor.update(Stamped(k / 10, one), velocity) for k, one in enumerate(measured)]
+
+
+def test_the_same_again_from_a_moving_vehicle_is_frozen():
+    assert hangs("aaaa", (0.3, 0.0, 0.0)) == [False, False, True, True]
+    assert hangs("aaaa", (0.0, 0.3, 0.0)) == [False, False, True, True]
+    assert hangs("aaaa", (0.0, 0.0, -0.3)) == [False, False, True, True]
+
+
+def test_a_standing_vehicle_sees_the_same_again():
+    assert not any(hangs("a" * 50, (0.0, 0.0, 0.0)))
+
+
+def test_something_new_ends_it():
+    assert hangs("aaaabb", (0.3, 0.0, 0.0)) == [False, False, True, True, False, False]

@@ -9,7 +9,7 @@ from coral.errors import InputError
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.simulation.noise import SensorNoiseCfg
-from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.simulation.simulator import ReefSimulator, SimulatedVehicle, SimulatorCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Pose
@@ -127,3 +127,24 @@ def test_the_depth_of_the_water_is_the_worlds_or_the_configured_one():
     assert simulator(there).sense(0.0).attitude.depth_m == pytest.approx(4.0)
     shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0).attitude
     assert (shallow.depth_m, shallow.altitude_m) == (pytest.approx(0.5), 1.0)
+
+
+def vehicle(told):
+    sim = simulator(world(disc(8.0, 8.0), obstacles=(POST,)))
+    return SimulatedVehicle(sim, 0.1, lambda event, **fields: told.append({"event": event, **fields}))
+
+
+def test_everything_is_measured_at_the_tick():
+    seen = vehicle([]).observe(0.7)
+    assert (seen.pose.t, seen.velocity.t, seen.frame.t, seen.attitude.t) == (0.7, 0.7, 0.7, 0.7)
+    assert seen.pose.value == Pose(5.0, 5.0, 0.0)
+
+
+def test_a_command_moves_it_and_a_contact_is_told_once_with_the_obstacle():
+    told = []
+    one = vehicle(told)
+    for _ in range(30):
+        one.command((0.6, 0.0))
+    (contact,) = told
+    assert (contact["event"], contact["obstacle"]) == ("collision", 0)
+    assert contact["x"] == pytest.approx(5.5, abs=0.02)

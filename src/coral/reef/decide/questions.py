@@ -18,7 +18,7 @@ from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import Survey
 from coral.reef.decide.verify import Surroundings
 from coral.reef.map.belief import Belief
-from coral.reef.map.chain import Track
+from coral.reef.map.chain import nearest_track
 from coral.reef.world.geometry import to_world
 
 KINDS = {"centroid": "reef-centroid", "waypoint": "reef-waypoint", "mission": "reef-mission"}
@@ -82,7 +82,8 @@ def goal_of_dot(asked: AskedState, index: int | None, now: Belief) -> Goal | Rej
             details={"index": index},
             reason=f"There is no dot {index} on the map. The labels on the map are: {labels or 'none'}.",
         )
-    track = now.track(meant.index) or _nearest(now, meant)
+    reach_m = now.cfg.chain.far_merge_m if meant.far else now.cfg.chain.merge_distance_m
+    track = now.track(meant.index) or nearest_track(now.tracks, meant.x, meant.y, reach_m)
     return None if track is None else Goal(x=track.x, y=track.y, index=track.index)
 
 
@@ -110,10 +111,3 @@ def option_points(asked: AskedState, options: Sequence[Mapping[str, Any]]) -> np
     """Return the places of waypoints on offer. Shape=(N, 2), metres."""
     pose = asked.outlook.arrival.pose
     return np.array([to_world(pose, o["forward_m"], o["left_m"]) for o in options], np.float64).reshape(-1, 2)
-
-
-def _nearest(now: Belief, meant: Track) -> Track | None:
-    """Return the cluster where another one was."""
-    reach_m = now.cfg.chain.far_merge_m if meant.far else now.cfg.chain.merge_distance_m
-    near = [(np.hypot(t.x - meant.x, t.y - meant.y), t.index, t) for t in now.tracks]
-    return min((n for n in near if n[0] <= reach_m), default=(0.0, 0, None), key=lambda n: n[:2])[2]

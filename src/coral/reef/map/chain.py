@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
 from coral.reef.map.changes import Box, grown, meet
-from coral.reef.map.mapping import Hint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,10 +207,10 @@ class CentroidTracker:
         self.tracks = list(tracks)
         self._labels = itertools.count(1 + max((track.index for track in tracks), default=-1))
 
-    def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
+    def update(self, found: Sequence[Component], hints: Sequence[tuple[float, float]] = ()) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
 
-        Hints, oysters seen beyond the map's range, are tracks of their own until the map shows a region there.
+        Hints, places (m) of oysters seen beyond the map's range, are tracks of their own until the map shows them.
         """
         cfg = self.cfg
         tracks = [t for t in self.tracks if not t.far]
@@ -244,7 +243,7 @@ class CentroidTracker:
         survivors = [kept[j] for j in sorted(kept)]
         for i, c in enumerate(found):
             if i not in match:
-                old = _nearest(afar, c.x, c.y, cfg.far_merge_m)
+                old = nearest_track(afar, c.x, c.y, cfg.far_merge_m)
                 afar = [t for t in afar if t is not old]
                 label = next(self._labels) if old is None else old.index
                 survivors.append(
@@ -254,18 +253,18 @@ class CentroidTracker:
         self.tracks = survivors
         return survivors
 
-    def _afar(self, afar: Sequence[Track], hints: Sequence[Hint], near: Sequence[Track]) -> list[Track]:
+    def _afar(self, afar: Sequence[Track], hints: Sequence[tuple[float, float]], near: Sequence[Track]) -> list[Track]:
         """Update the tracks of what was seen from afar; one without a hint is dropped: the robot has looked there."""
         tracks: list[Track] = []
         rest = list(afar)
-        for hint in hints:
-            if _nearest([*near, *tracks], hint.x, hint.y, self.cfg.far_merge_m) is not None:
+        for x, y in hints:
+            if nearest_track([*near, *tracks], x, y, self.cfg.far_merge_m) is not None:
                 continue  # known, or the same cluster seen from elsewhere
-            old = _nearest(rest, hint.x, hint.y, self.cfg.far_merge_m)
+            old = nearest_track(rest, x, y, self.cfg.far_merge_m)
             rest = [t for t in rest if t is not old]
             label = next(self._labels) if old is None else old.index
-            left = np.array([[hint.x, hint.y]])
-            tracks.append(Track(index=label, x=hint.x, y=hint.y, area_px=0, length_m=0.0, far=True, left=left))
+            left = np.array([[x, y]])
+            tracks.append(Track(index=label, x=x, y=y, area_px=0, length_m=0.0, far=True, left=left))
         return tracks
 
     def inspect(
@@ -335,7 +334,7 @@ def _box(cells: NDArray[np.intp]) -> Box:
     return y0, y1 + 1, x0, x1 + 1
 
 
-def _nearest(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:
+def nearest_track(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:
     """Return the nearest track within a distance (m) of a point."""
     near = [(float(np.hypot(t.x - x, t.y - y)), t.index, t) for t in tracks]
     return min((n for n in near if n[0] <= within_m), default=(0.0, 0, None), key=lambda n: n[:2])[2]

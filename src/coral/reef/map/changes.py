@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,13 @@ class ChangeTracker:
         columns = np.flatnonzero((self._kept[y0:y1] != self._mask[y0:y1]).any(axis=0))
         self._kept[y0:y1] = self._mask[y0:y1]
         return y0, y1, int(columns[0]), int(columns[-1]) + 1
+
+
+def around(x: float, y: float, radius_m: float, cell_m: float, shape: tuple[int, int]) -> Box:
+    """Return the rectangle of cells within a radius (m) of a point, clipped to a grid of `shape`; empty beyond it."""
+    r, iy, ix = math.ceil(radius_m / cell_m) + 1, int(y // cell_m), int(x // cell_m)
+    y0, x0 = min(max(iy - r, 0), shape[0]), min(max(ix - r, 0), shape[1])
+    return y0, max(min(iy + r + 1, shape[0]), y0), x0, max(min(ix + r + 1, shape[1]), x0)
 
 
 def grown(box: Box, cells: int, shape: tuple[int, int]) -> Box:

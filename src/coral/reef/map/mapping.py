@@ -18,7 +18,7 @@ from coral.config import CellSize, Count, NonNegative
 from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.carried import AROUND_M, moved_cells
-from coral.reef.map.changes import Box
+from coral.reef.map.changes import Box, around
 from coral.reef.map.mapping_kernels import SATURATED, Counts, Nearness, classify, explore, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
@@ -80,17 +80,6 @@ class MapCfg:
     """Of eyes that doubt, on a vehicle without a sonar."""
     doubt: DoubtCfg = field(default_factory=DoubtCfg)
     """Doubt with which a pixel still counts, where perception states one."""
-
-
-@dataclass(frozen=True)
-class Hint:
-    """Oysters seen beyond the map's range."""
-
-    x: float
-    y: float
-    """Centre in the world (m)."""
-    area_m2: float
-    """Area of the coarse cells that show them."""
 
 
 class OccupancyMap:
@@ -368,8 +357,8 @@ class OccupancyMap:
         against = ground / np.maximum(hits + ground, 1.0)
         return 1.0 - float(against.mean()) if len(cells) else 1.0
 
-    def hints(self) -> list[Hint]:
-        """Return the groups of oysters that were seen beyond the map's range, where nothing is explored yet."""
+    def hints(self) -> list[tuple[float, float]]:
+        """Return the centres (m) of the oysters that were seen beyond the map's range, where nothing is explored."""
         cfg = self.cfg
         mask = self._hints >= HINT_HITS
         if not mask.any():
@@ -379,15 +368,8 @@ class OccupancyMap:
         ny, nx = self.explored.shape
         known = self.explored[np.minimum(centres[:, 0], ny - 1), np.minimum(centres[:, 1], nx - 1)]
         mask[iy[known], ix[known]] = False
-        count, _, stats, centroids = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-        return [
-            Hint(
-                x=float((centroids[k, 0] + 0.5) * HINT_CELL_M),
-                y=float((centroids[k, 1] + 0.5) * HINT_CELL_M),
-                area_m2=float(stats[k, cv2.CC_STAT_AREA]) * HINT_CELL_M**2,
-            )
-            for k in range(1, count)
-        ]
+        _, _, _, centroids = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+        return [(float((x + 0.5) * HINT_CELL_M), float((y + 0.5) * HINT_CELL_M)) for x, y in centroids[1:]]
 
     def cells(self) -> NDArray[np.uint8]:
         """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
@@ -456,12 +438,8 @@ class OccupancyMap:
             )
         )
 
-    def _window(self, pose: Pose, radius_m: float) -> tuple[int, int, int, int]:
-        ny, nx = self.target.shape
-        r = math.ceil(radius_m / self.cfg.cell_m) + 1
-        iy, ix = int(pose.y // self.cfg.cell_m), int(pose.x // self.cfg.cell_m)
-        y0, x0 = min(max(iy - r, 0), ny), min(max(ix - r, 0), nx)
-        return y0, max(min(iy + r + 1, ny), y0), x0, max(min(ix + r + 1, nx), x0)
+    def _window(self, pose: Pose, radius_m: float) -> Box:
+        return around(pose.x, pose.y, radius_m, self.cfg.cell_m, self.target.shape)
 
 
 def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Count, NonNegative, Positive
+from coral.reef.map.changes import around
 from coral.reef.map.layer_kernels import LEVEL, LOW, count, mark
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.vehicle.range_image import RangeImage, beam_directions
@@ -103,17 +104,11 @@ class ObstacleLayer:
             self._height,
             self._said,
         )
-        ny, nx = self.obstacle.shape
-        r = math.ceil(max(cfg.range_m, cfg.clear_m) / self._cell_m) + 1
-        iy, ix = int(pose.y // self._cell_m), int(pose.x // self._cell_m)
-        window = (
-            min(max(iy - r, 0), ny), max(min(iy + r + 1, ny), 0),
-            min(max(ix - r, 0), nx), max(min(ix + r + 1, nx), 0),
-        )  # fmt: skip
+        reach_m = max(cfg.range_m, cfg.clear_m)
         return bool(
             count(
                 self._said,
-                window,
+                around(pose.x, pose.y, reach_m, self._cell_m, self.obstacle.shape),
                 cfg.hits,
                 cfg.ratio,
                 self._hits,

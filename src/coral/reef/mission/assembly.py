@@ -26,9 +26,11 @@ from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.belief import Belief
 from coral.reef.map.localization import Localizer
+from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.robot import Robot
-from coral.reef.mission.tour import TourPilot
+from coral.reef.mission.tour import TourPilot, drive_lines, lanes
+from coral.reef.mission.word_oracle import word_tour
 from coral.reef.mission.word_reader import WordReader
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.vehicle.response import VehicleResponse
@@ -127,6 +129,19 @@ def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | 
             orders = BlindOrders.of_conditions(world.mission.conditions, kinds)
         return RuleAdvisor({**REEF_RULES, "reef-mission": Wordless(orders)}, name=cfg.decider)
     return RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
+
+
+def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
+    """Plan the commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None where questions are asked."""
+    if cfg.decider not in ("oracle", "sweep"):
+        return None
+    sim, start = cfg.simulator, Pose(world.start.x, world.start.y, world.start.theta)
+    if cfg.decider == "sweep":
+        return drive_lines(lanes(world.size_m, cfg.lane_m, start), start, sim.vehicle, cfg.control_period_s)
+    if world.mission is not None:
+        return word_tour(world, sim.vehicle, cfg.control_period_s)
+    visibility_m = sim.noise.visibility_m
+    return oracle_bound(world, sim.camera, sim.imaging, visibility_m, sim.vehicle, cfg.control_period_s).commands
 
 
 def latency_of(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:

@@ -22,19 +22,17 @@ from coral.reef.drive.controllers import MakeController, controller_maker, part_
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot
+from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot, planned
 from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.judge import MissionJudge
 from coral.reef.mission.loop import MissionLoop, SimulatedTicks
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
-from coral.reef.mission.tours import planned
 from coral.reef.mission.word_judge import instructed
 from coral.reef.mission.word_oracle import true_answer
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
-from coral.reef.simulation.simulator import ReefSimulator
+from coral.reef.simulation.simulator import ReefSimulator, SimulatedVehicle
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_files import RunFiles, SurveyFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of

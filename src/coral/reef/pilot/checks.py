@@ -1,9 +1,10 @@
-"""What a measurement must satisfy: one check for each input, which raises the name of what is wrong."""
+"""What a measurement must satisfy: one check for each input, which raises the name of what is wrong; hung sensors."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,10 @@ from numpy.typing import NDArray
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Stamped, Velocity
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
+
+T = TypeVar("T")
 
 SURFACE_M = 0.5
 """A depth sensor may put a vehicle at the surface so far above it: waves, and its own offset."""
@@ -154,3 +158,27 @@ def same_picture(one: Frame, other: Frame) -> bool:
 def same_echoes(one: RangeImage, other: RangeImage) -> bool:
     """Check whether two range images are equal in every beam."""
     return np.array_equal(one.ranges, other.ranges)
+
+
+class FrozenSensor(Generic[T]):
+    """Finds a sensor that hangs: it delivers the same again with new time stamps, while the vehicle moves.
+
+    Motion is that of the measured velocity: a drifting position moves without any motion.
+    """
+
+    def __init__(self, same: Callable[[T, T], bool], way_m: float, turn_rad: float = math.inf) -> None:
+        """Set up; what is the same over more than `way_m` (m) or `turn_rad` (rad) is frozen."""
+        self._same, self._way_m, self._turn_rad = same, way_m, turn_rad
+        self._last: Stamped[T] | None = None
+        self._way = self._turn = 0.0
+
+    def update(self, new: Stamped[T], velocity: Velocity) -> bool:
+        """Take in the next measurement and the present velocity (m/s, m/s, rad/s). Return whether the sensor hangs."""
+        last, self._last = self._last, new
+        if last is None or not self._same(last.value, new.value):
+            self._way = self._turn = 0.0
+            return False
+        dt = max(new.t - last.t, 0.0)
+        self._way += math.hypot(velocity[0], velocity[1]) * dt
+        self._turn += abs(velocity[2]) * dt
+        return self._way > self._way_m or self._turn > self._turn_rad

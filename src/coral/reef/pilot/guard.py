@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from coral.config import Fraction, NonNegative, Positive
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot import checks
-from coral.reef.pilot.checks import UnfitMeasurement, finite_numbers
+from coral.reef.pilot.checks import FrozenSensor, UnfitMeasurement, finite_numbers
 from coral.reef.pilot.dead_reckoning import REMEMBERED, PoseHistory
-from coral.reef.pilot.frozen import FrozenSensor
 from coral.reef.pilot.loop_time import LoopTime
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.range_image import RangeImage

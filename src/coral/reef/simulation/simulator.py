@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
@@ -20,7 +21,7 @@ from coral.reef.simulation.stills import Stills, make_painter
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.range_image import RangeImage
-from coral.reef.vehicle.sensing import Attitude
+from coral.reef.vehicle.sensing import Attitude, VehicleObservation
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
@@ -80,10 +81,8 @@ class Sensed:
 class ReefSimulator:
     """Simulates the reef, one vehicle and its sensors."""
 
-    def __init__(
-        self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator, *, start: Pose | None = None
-    ) -> None:
-        """Put a vehicle into a world, by default at its start; `rng` is the source of the sensors' noise."""
+    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator) -> None:
+        """Put a vehicle at the start of a world; `rng` is the source of the sensors' noise."""
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world)
         self._camera = Camera(self.scene, cfg.camera)
@@ -102,7 +101,7 @@ class ReefSimulator:
             # A stream of its own: the camera's noise is the same with and without a sonar.
             self._sonar = Sonar3d15(self.scene.resting, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
         self._since_ping_s = math.inf
-        begin = start or Pose(world.start.x, world.start.y, world.start.theta)
+        begin = Pose(world.start.x, world.start.y, world.start.theta)
         self._drift = PoseDrift(cfg.noise, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
@@ -177,6 +176,26 @@ class ReefSimulator:
         """Count the area in view now."""
         self.coverage.update(self.pose)
         self.imaging.update(self.pose)
+
+
+class SimulatedVehicle:
+    """The simulated vehicle as the mission loop sees it, in simulated time: a command moves it to the next tick."""
+
+    def __init__(self, simulator: ReefSimulator, period_s: float, tell: Callable[..., None]) -> None:
+        """Set up with `period_s` between two ticks; tell(event, **fields) is told of contacts."""
+        self.simulator, self._period_s, self._tell = simulator, period_s, tell
+        self._begun = False
+
+    def observe(self, t: float) -> VehicleObservation:
+        """Measure everything at time `t` (s), one period after the last time."""
+        sensed = self.simulator.sense(self._period_s if self._begun else 0.0)
+        self._begun = True
+        return VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
+
+    def command(self, command: tuple[float, float]) -> None:
+        """Drive at (m/s, rad/s) for one period."""
+        for x, y, obstacle in self.simulator.act(command, self._period_s):
+            self._tell("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
 
 
 def seen_through_water(cfg: SimulatorCfg) -> CoverageCfg:
