@@ -4,7 +4,7 @@ from beds import belief_with, see
 
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.provable import finished_dot, hazard, leads_nowhere
-from coral.reef.decide.remaining import Dot, what_remains
+from coral.reef.decide.remaining import Place, what_remains
 from coral.reef.decide.route import Goal, here
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.costfield import CostFieldCfg
@@ -13,7 +13,7 @@ from coral.reef.map.costfield import CostFieldCfg
 def nowhere(belief, *points):
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
-    dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=1.0) for t in outlook.unvisited()]
+    dots = [Place(x=t.x, y=t.y, index=t.index, worth=1.5) for t in outlook.unvisited()]
     remaining = what_remains(outlook, left, dots, CostFieldCfg())
     return leads_nowhere(outlook, remaining, *np.array(points).T).tolist()
 

@@ -4,7 +4,7 @@ from beds import belief_with
 
 from coral.reef.decide import remaining as module
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.remaining import Dot, what_remains
+from coral.reef.decide.remaining import Place, frontier_worth, what_remains
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.costfield import CostFieldCfg
 
@@ -15,7 +15,7 @@ def remaining_of(points, wall=False):
         belief.map.obstacle[100:300, 240:244] = True
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
-    dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=1.0) for t in belief.tracks]
+    dots = [Place(x=t.x, y=t.y, index=t.index, worth=1.5) for t in belief.tracks]
     return what_remains(outlook, left, dots, CostFieldCfg())
 
 
@@ -44,3 +44,9 @@ def test_nearer_is_along_known_ways_and_straight_to_the_rest(monkeypatch):
 def test_obstacles_can_cut_places_off():
     remaining = remaining_of([(10.0, 14.0)])
     assert [place.x for place in remaining.places] == pytest.approx([10.0])
+
+
+def test_water_beside_the_reef_promises_more_than_water_far_from_it():
+    near, far = (frontier_worth(metres, 0.5) for metres in (1.0, 12.0))
+    assert near > 2.0 * far > 0.0
+    assert frontier_worth(1.0, 0.1) < near

@@ -4,9 +4,9 @@ from beds import belief_with
 
 from coral.reef.decide import topology
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.remaining import Dot, what_remains
+from coral.reef.decide.remaining import Place, what_remains
 from coral.reef.decide.survey import SurveyCfg, survey
-from coral.reef.decide.topology import frontier_worth, plan_tour
+from coral.reef.decide.topology import plan_tour
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.world.geometry import Pose
 
@@ -20,7 +20,7 @@ def tour_of(points, area=1.0):
     belief = belief_with(points, pose=Pose(10.0, 5.0, 0.0), size=(40.0, 10.0))
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
-    dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=area) for t in belief.tracks]
+    dots = [Place(x=t.x, y=t.y, index=t.index, worth=0.5 + area) for t in belief.tracks]
     remaining = what_remains(outlook, left, dots, CostFieldCfg())
     return plan_tour(remaining, left, outlook.arrival)
 
@@ -43,9 +43,3 @@ def test_a_point_on_the_way_costs_nothing_and_one_behind_its_detour():
 
 def test_with_nothing_left_there_is_no_tour():
     assert tour_of([]) is None
-
-
-def test_water_beside_the_reef_promises_more_than_water_far_from_it():
-    near, far = (frontier_worth(metres, 0.5) for metres in (1.0, 12.0))
-    assert near > 2.0 * far > 0.0
-    assert frontier_worth(1.0, 0.1) < near

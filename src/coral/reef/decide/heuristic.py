@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
-from coral.reef.decide.remaining import GAP_M, MOST_PLACES
-from coral.reef.decide.topology import DOT_WORTH, FAR_M2, FRONTIER_WORTH, REEF_M, SPEED_M_S, YAW_RATE_RAD_S
+from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, GAP_M, MOST_PLACES, REEF_M, frontier_worth
+from coral.reef.decide.topology import SPEED_M_S, YAW_RATE_RAD_S
 from coral.reef.decide.wordless import Wordless
 from coral.reef.vehicle.delays import delays_from, order_from
 
-ELSEWHERE = 0.02
-"""Worth of unexplored water far from the reef."""
 FAILED_S = 10.0
 """A goal that failed already is put off by so much."""
 REFUSED_RAD = 0.5
@@ -99,7 +97,8 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
     steps = [best]
     for before, k in itertools.pairwise(order):
         step = min(options, key=lambda o: _detour(o, places[k], steps[-1]))
-        if _short_of(steps[-1], places[before]) or len(steps) > MOST_THEN:
+        passed = places[before]
+        if math.dist(_at(steps[-1]), (passed.forward_m, passed.left_m)) > SEEN_M or len(steps) > MOST_THEN:
             break  # the step does not reach its place: what comes after it is for the next question
         if math.dist(_at(step), _at(steps[-1])) >= NEW_M:
             steps.append(step)
@@ -121,11 +120,6 @@ def _detour(option: Fact, aim: _Place, start: Fact | None = None) -> float:
     return float(way + 1.5 * rest - 0.5 * option["unexplored"])
 
 
-def _short_of(option: Fact, place: _Place) -> bool:
-    """Check whether a waypoint is too far from a place to see it."""
-    return math.dist(_at(option), (place.forward_m, place.left_m)) > SEEN_M
-
-
 def _at(option: Fact) -> tuple[float, float]:
     return option["forward_m"], option["left_m"]
 
@@ -139,17 +133,16 @@ def _like_refused(option: Fact, refused: set[tuple[Any, Any]]) -> bool:
 
 def _places(facts: Fact) -> list[_Place]:
     """Return what is left to see and within reach, nearest first, clusters before the rest."""
-    dots = [
-        _place(facts, c, DOT_WORTH + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
-        for c in facts["centroids"]
-        if not (c["visited"] or c.get("doubtful")) and c["path_m"] is not None
-    ]
+    dots = []
+    for c in facts["centroids"]:
+        if not (c["visited"] or c.get("doubtful")) and c["path_m"] is not None:
+            worth = DOT_WORTH + (FAR_M2 if c["left_m2"] is None else c["left_m2"])
+            dots.append(_place(c, worth, f"cluster {c['index']}", c["index"], c["failed_attempts"]))
     places = sorted(dots, key=lambda p: p.path_m)[:MOST_PLACES]
-    water = [
-        _place(facts, f, _promise(f), "unexplored water beside the reef" if _beside(f) else "unexplored water")
-        for f in facts["frontiers"]
-    ]
-    for place in water:
+    for f in facts["frontiers"]:
+        reef_m = math.inf if f["reef_m"] is None else f["reef_m"]
+        name = "unexplored water beside the reef" if reef_m <= REEF_M else "unexplored water"
+        place = _place(f, frontier_worth(reef_m, f["unexplored"]), name)
         if len(places) == MOST_PLACES:
             break
         if all(_apart(place, p) >= GAP_M for p in places if p.index is None):
@@ -157,24 +150,8 @@ def _places(facts: Fact) -> list[_Place]:
     return places
 
 
-def _place(facts: Fact, at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
+def _place(at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
     return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, FAILED_S * failed)
-
-
-def _left_m2(dot: Fact) -> float:
-    """Return the area that is left to see of a cluster (m²)."""
-    return FAR_M2 if dot["left_m2"] is None else float(dot["left_m2"])
-
-
-def _promise(frontier: Fact) -> float:
-    """Return the worth of unexplored water."""
-    reef_m = frontier["reef_m"]
-    near = 0.5 if reef_m is None else math.exp(-reef_m / REEF_M)
-    return float((ELSEWHERE + FRONTIER_WORTH * near) * min(1.0, 2.0 * frontier["unexplored"]))
-
-
-def _beside(frontier: Fact) -> bool:
-    return frontier["reef_m"] is not None and frontier["reef_m"] <= REEF_M
 
 
 def _apart(a: _Place, b: _Place) -> float:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from coral.advisor.question import Question, Rejection
 from coral.errors import InputError
 from coral.plugins import named_plugin
-from coral.reef.decide.trigger import Firing, SmartTrigger, TriggerCfg
 
 CODE = "own"
 """Code of a refusal that gives only a text."""
@@ -40,32 +39,6 @@ Wanted = Callable[[TriggerMoment], bool]
 Check = Callable[[Question[Any], Any], Rejection | str | None]
 """Returns why an answer is refused, in words for the advisor, or None."""
 Verifier = Callable[[Question[Any], Any], Rejection | None]
-
-
-class FunctionTrigger(SmartTrigger):
-    """Asks when a function says so, and as `SmartTrigger` does when the robot is stuck, blocked or has no goal.
-
-    The cooldown and the rule of one open question at a time hold for the function too.
-    """
-
-    def __init__(self, wanted: Wanted, cfg: TriggerCfg | None = None) -> None:
-        super().__init__(replace(cfg or TriggerCfg(), always=False))
-        self._wanted = wanted
-
-    def update(
-        self,
-        t: float,
-        x: float,
-        y: float,
-        speed: float,
-        target: tuple[float, float] | None,
-        pending: bool,
-        soon: bool | None = None,
-    ) -> Firing | None:
-        """See `SmartTrigger.update`; the function's wish has the cause "own"."""
-        now = TriggerMoment(t=t, x=x, y=y, speed=speed, target=target, soon=soon, since_asked_s=t - self._last_query)
-        firing = super().update(t, x, y, speed, target, pending, bool(self._wanted(now)))
-        return replace(firing, cause="own") if firing is not None and firing.cause == "distance" else firing
 
 
 def find_trigger(wanted: Wanted | str | None) -> Wanted | None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.survey import Frontier, Survey
+from coral.reef.decide.survey import Survey
 from coral.reef.map.costfield import CostField, CostFieldCfg
 
 MOST_PLACES = 9
@@ -22,22 +22,32 @@ RATIO = 3
 """Map cells per cell of the distance search."""
 
 
+DOT_WORTH = 0.5
+"""Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
+FAR_M2 = 0.5
+"""What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
+FRONTIER_WORTH, REEF_M = 0.1, 3.0
+"""Worth of unexplored water beside the reef, and distance from it at which that has fallen to 1/e. Little: most of it
+is seen on the way to clusters."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class Dot:
-    """A cluster that is left."""
+class Place:
+    """A place that is left: a cluster (with its label) or a frontier."""
 
     x: float
     y: float
-    index: int
-    left_m2: float
-    """What is left to see of it."""
+    index: int | None
+    worth: float
+    later_s: float = 0.0
+    """How much later (s) what is left is seen, on average by worth, when this place comes first."""
 
 
 @dataclass(frozen=True)
 class Remaining:
     """The places that are left."""
 
-    places: tuple[Dot | Frontier, ...]
+    places: tuple[Place, ...]
     """Those with known ways, clusters first."""
     fields: tuple[CostField, ...]
     """Distances (m) from each of them."""
@@ -68,20 +78,25 @@ class Remaining:
         return found
 
 
-def what_remains(outlook: Outlook, left: Survey, dots: Sequence[Dot], fields: CostFieldCfg) -> Remaining:
+def what_remains(outlook: Outlook, left: Survey, dots: Sequence[Place], fields: CostFieldCfg) -> Remaining:
     """Collect the places that are left."""
-    belief = outlook.belief
     near = sorted(dots, key=lambda dot: (left.path_m(dot.x, dot.y), dot.x, dot.y))
     within_reach = (dot for dot in near if math.isfinite(left.path_m(dot.x, dot.y)))
-    places: list[Dot | Frontier] = list(itertools.islice(within_reach, MOST_PLACES))
-    for front in left.frontiers:
-        apart = all(math.dist((front.x, front.y), (p.x, p.y)) >= GAP_M for p in places if isinstance(p, Frontier))
+    places = list(itertools.islice(within_reach, MOST_PLACES))
+    water = [Place(x=f.x, y=f.y, index=None, worth=frontier_worth(f.reef_m, f.unexplored)) for f in left.frontiers]
+    for front in water:
+        apart = all(math.dist((front.x, front.y), (p.x, p.y)) >= GAP_M for p in places if p.index is None)
         if len(places) < MOST_PLACES and apart:
             places.append(front)
     chosen = {id(place) for place in places}
-    known: list[Dot | Frontier] = [*dots, *left.frontiers]
-    beyond = [(p.x, p.y) for p in known if id(p) not in chosen]
+    beyond = [(p.x, p.y) for p in (*dots, *water) if id(p) not in chosen]
     coarse = replace(fields, ratio=RATIO)
-    water = belief.water(coarse)
-    ways = tuple(CostField.over(water.slowness, (p.x, p.y), cell_m=water.cell_m, cfg=coarse) for p in places)
+    sea = outlook.belief.water(coarse)
+    ways = tuple(CostField.over(sea.slowness, (p.x, p.y), cell_m=sea.cell_m, cfg=coarse) for p in places)
     return Remaining(tuple(places), ways, np.array(beyond, np.float64).reshape(-1, 2))
+
+
+def frontier_worth(reef_m: float, unexplored: float) -> float:
+    """Return what a frontier promises: oysters settle near others (inf m: none known), and fill unexplored water."""
+    near = math.exp(-reef_m / REEF_M) if math.isfinite(reef_m) else 0.5
+    return FRONTIER_WORTH * (0.2 + near) * min(1.0, 2.0 * unexplored)

@@ -9,13 +9,12 @@ The trend of the chain, which the paper's memory gives to Eqs. 7 and 8, is `refe
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.decide.remaining import Dot, Remaining
+from coral.reef.decide.remaining import Place, Remaining
 from coral.reef.decide.route import Arrival
 from coral.reef.decide.survey import Survey
 from coral.reef.map.costfield import CostField
@@ -24,27 +23,8 @@ from coral.reef.world.geometry import Pose, bearing
 
 TOLD_S = 5.0
 """The price of a choice is reported from here on: less than an answer takes."""
-DOT_WORTH = 0.5
-"""Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
 SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
 """At which the robot drives and turns."""
-FRONTIER_WORTH, REEF_M = 0.1, 3.0
-"""Worth of unexplored water beside the reef, and distance from it at which that has fallen to 1/e. Little: most of it
-is seen on the way to clusters."""
-FAR_M2 = 0.5
-"""What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Place:
-    """A place that is left: a cluster (with its label) or a frontier."""
-
-    x: float
-    y: float
-    index: int | None
-    worth: float
-    later_s: float = 0.0
-    """How much later (s) what is left is seen, on average by worth, when this place comes first."""
 
 
 @dataclass(frozen=True)
@@ -92,12 +72,7 @@ def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival) -> Remaining
     """Plan the tour of what is left from where the robot will be; None if nothing is left."""
     if not remaining.places:
         return None
-    nodes = [
-        Place(x=p.x, y=p.y, index=p.index, worth=DOT_WORTH + p.left_m2)
-        if isinstance(p, Dot)
-        else Place(x=p.x, y=p.y, index=None, worth=frontier_worth(p.reef_m, p.unexplored))
-        for p in remaining.places
-    ]
+    nodes = remaining.places
     first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / SPEED_M_S
     turns = np.array([abs(bearing(arrival.pose, n.x, n.y)) for n in nodes]) / YAW_RATE_RAD_S
     worth: NDArray[np.float64] = np.array([n.worth for n in nodes])
@@ -106,9 +81,3 @@ def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival) -> Remaining
     best = float(total.min())
     places = tuple(replace(n, later_s=float(t - best)) for n, t in zip(nodes, total, strict=True))
     return RemainingTour(places, remaining.fields, onward, best, left, arrival.pose)
-
-
-def frontier_worth(reef_m: float, unexplored: float) -> float:
-    """Return what a frontier promises: oysters settle near others (inf m: none known), and fill unexplored water."""
-    near = math.exp(-reef_m / REEF_M) if math.isfinite(reef_m) else 0.5
-    return FRONTIER_WORTH * (0.2 + near) * min(1.0, 2.0 * unexplored)

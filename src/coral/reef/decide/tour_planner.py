@@ -39,10 +39,10 @@ from coral.reef.decide.questions import (
     outside,
     surroundings,
 )
-from coral.reef.decide.remaining import Dot, what_remains
+from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, Place, what_remains
 from coral.reef.decide.route import Goal, Route, here, passed
 from coral.reef.decide.survey import survey
-from coral.reef.decide.topology import FAR_M2, TOLD_S, RemainingTour, plan_tour
+from coral.reef.decide.topology import TOLD_S, RemainingTour, plan_tour
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
 from coral.reef.map.belief import Belief
@@ -137,7 +137,7 @@ class TourPlanner:
                 ):
                     closed.add(track.index)
                     continue
-            dots.append(Dot(x=track.x, y=track.y, index=track.index, left_m2=area))
+            dots.append(Place(x=track.x, y=track.y, index=track.index, worth=DOT_WORTH + area))
         outlook = replace(outlook, closed=frozenset(closed))
         left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
         left = left if cfg.explore else replace(left, frontiers=())

@@ -7,6 +7,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Literal
 
+from coral.reef.decide.own_parts import TriggerMoment, Wanted
+
 Cause = Literal["first", "distance", "stuck", "failure", "deviation", "own", "instruction"]
 """Predicates of Eq. 12; "own" is that of a trigger brought by the user, "instruction" that a person changed it."""
 
@@ -46,10 +48,14 @@ class Firing:
 
 
 class SmartTrigger:
-    """Decides when to ask the advisor."""
+    """Decides when to ask the advisor.
 
-    def __init__(self, cfg: TriggerCfg | None = None) -> None:
-        self.cfg = cfg or TriggerCfg()
+    With a function of the user's own it asks when that says so, and by Eq. 12 when the robot is stuck, blocked or has
+    no goal. The cooldown and the rule of one open question at a time hold for the function too.
+    """
+
+    def __init__(self, cfg: TriggerCfg | None = None, wanted: Wanted | None = None) -> None:
+        self.cfg, self._wanted = cfg or TriggerCfg(), wanted
         self._history: deque[tuple[float, float, float]] = deque()
         self._slow_since: float | None = None
         self._last_query = -math.inf
@@ -97,6 +103,10 @@ class SmartTrigger:
         """
         cfg = self.cfg
         stuck = self._stuck(t, x, y, speed)
+        since_s = t - self._last_query
+        wished = self._wanted is not None and self._wanted(
+            TriggerMoment(t=t, x=x, y=y, speed=speed, target=target, soon=soon, since_asked_s=since_s)
+        )
         cause: Cause | None = None
         if target is None:
             cause = "first"
@@ -106,13 +116,15 @@ class SmartTrigger:
             cause = "failure"
         elif self._deviated:
             cause = "deviation"
+        elif self._wanted is not None:
+            cause = "own" if wished else None
         elif cfg.always or (soon if soon is not None else math.hypot(target[0] - x, target[1] - y) < cfg.distance_m):
             cause = "distance"
         if cause is None:
             return None
         if pending:
             return Firing(cause=cause, held_by="pending")
-        if cause != "stuck" and t - self._last_query < cfg.cooldown_s:
+        if cause != "stuck" and since_s < cfg.cooldown_s:
             return Firing(cause=cause, held_by="cooldown")
         return Firing(cause=cause, held_by="")
 

@@ -12,7 +12,7 @@ from coral.advisor.fallback import failed
 from coral.advisor.question import Advisor
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.mission_planner import MissionPlanner
-from coral.reef.decide.own_parts import FunctionTrigger, Verifier, Wanted
+from coral.reef.decide.own_parts import Verifier, Wanted
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
@@ -66,7 +66,7 @@ class Pilot:
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver, self.clock = belief, planner, driver, clock
         self.route = planner.route
-        self.trigger = SmartTrigger(self.cfg.trigger) if wanted is None else FunctionTrigger(wanted, self.cfg.trigger)
+        self.trigger = SmartTrigger(self.cfg.trigger, wanted)
         self.monitor = PathMonitor(self.cfg.monitor)
         prepare_s = 0.0 if self.cfg.synchronous else self.cfg.prepare_s
         self.cost_to_go = CostToGo(
