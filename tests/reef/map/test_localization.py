@@ -62,7 +62,7 @@ def test_posts_seen_again_give_the_error_of_the_odometry(error):
         pose = localizer.update(water.render(HERE), odometry, 0.1)
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.17)
     assert abs(pose.theta) <= 0.7 * abs(error[2])
-    assert len(localizer.landmarks) == 3
+    assert len(localizer.hypotheses[0].map.centres) == 3
 
 
 def test_the_same_posts_are_found_from_elsewhere():
@@ -73,7 +73,7 @@ def test_the_same_posts_are_found_from_elsewhere():
     for k in range(10):
         pose = localizer.update(water.render(there), odometry, 20.0 if k == 0 else 0.1)
     assert pose[:2] == pytest.approx(there[:2], abs=0.1)
-    assert len(localizer.landmarks) == 3
+    assert len(localizer.hypotheses[0].map.centres) == 3
 
 
 def test_empty_water_gives_no_correction_and_the_doubt_grows_as_the_walk_does():
@@ -107,7 +107,7 @@ def test_a_wrong_match_is_taken_back_when_more_is_seen():
     for _ in range(20):
         pose = localizer.update(water.render(HERE), odometry, 0.1)
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.15)
-    assert len(localizer.landmarks) == 3
+    assert len(localizer.hypotheses[0].map.centres) == 3
 
 
 def test_once_one_hypothesis_prevails_it_is_told_which_pictures_were_misplaced():
@@ -153,13 +153,13 @@ def test_two_fresh_posts_that_fit_old_ones_close_the_loop():
     for k in range(30):
         pose = localizer.update(water.render(HERE), odometry, 200.0 if k == 0 else 0.1)
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.15)
-    assert len(localizer.landmarks) == 2
+    assert len(localizer.hypotheses[0].map.centres) == 2
 
 
 def test_a_new_post_becomes_a_landmark():
     localizer = settled(camera((7.0, 5.0)))
     localizer.update(camera((7.0, 5.0), (6.5, 6.8)).render(HERE), HERE, 0.5)
-    np.testing.assert_allclose(localizer.landmarks, [(7.0, 5.0), (6.5, 6.8)], atol=0.1)
+    np.testing.assert_allclose(localizer.hypotheses[0].map.centres, [(7.0, 5.0), (6.5, 6.8)], atol=0.1)
 
 
 def test_pictures_are_used_once_a_period():
@@ -263,7 +263,7 @@ def test_exact_odometry_stays_exact_while_landmarks_are_kept_for_another_survey(
     localizer.recall(LandmarkMap())
     for k in range(20):
         assert localizer.update(water.render(HERE), HERE, 0.1 if k else 0.0) == pytest.approx(HERE)
-    np.testing.assert_allclose(sorted(map(tuple, localizer.landmarks)), sorted(REEF), atol=0.15)
+    np.testing.assert_allclose(sorted(map(tuple, localizer.hypotheses[0].map.centres)), sorted(REEF), atol=0.15)
 
 
 def test_a_start_with_a_wrong_heading_is_led_astray_as_it_drives():

@@ -12,7 +12,7 @@ from coral.reef.drive.pd import PdController
 from coral.reef.map.belief import Belief
 from coral.reef.map.localization import LocalizationCfg
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot, planned, with_response
+from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot, planned
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.tour import TourPilot
@@ -54,7 +54,8 @@ def test_every_driver_plans_ahead_for_a_vehicle_that_obeys_late(driver, kind):
 
 def test_the_clearance_of_a_slow_vehicle_is_added():
     cfg = MissionCfg()
-    assert with_response(cfg, SLOW).controller.margin_m == pytest.approx(cfg.controller.margin_m + 0.1)
+    margins = [robot_of(cfg, response).driver.driver.cfg.margin_m for response in (SLOW, VehicleResponse())]
+    assert margins == pytest.approx([cfg.controller.margin_m + 0.1, cfg.controller.margin_m])
 
 
 def test_a_drifting_robot_keeps_more_clearance():

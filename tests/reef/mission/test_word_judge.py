@@ -134,7 +134,7 @@ def changing(folder, words):
     def rules(facts, rejections):
         told.append(facts["mission"]["instruction"])
         if len(told) == 1:
-            mission.instruct(words, "page")
+            mission.instructing(words, "page")
             return MissionAnswer(waypoint={"forward_m": 2, "left_m": 0})
         return MissionAnswer(done=True, answer="black", marks=(Mark(dot=0, label="tyre"),))
 

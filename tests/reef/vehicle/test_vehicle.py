@@ -121,7 +121,7 @@ def test_an_obstacle_that_is_near_but_not_met_changes_nothing(substep_s):
         track = alone.step(tuple(command), current=tuple(current))
         assert np.array_equal(beside.step(tuple(command), current=tuple(current), contact=lambda x, y: 0.301), track)
         assert beside.state == alone.state
-        assert np.array_equal(beside.wrench, alone.wrench)
+        assert np.array_equal(beside._s, alone._s)  # the thrusters, too
 
 
 def test_an_obstacle_met_within_a_tick_stops_the_hull():

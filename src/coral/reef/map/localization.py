@@ -150,11 +150,6 @@ class Localizer:
             self.hypotheses = [Hypothesis(LandmarkMap()), Hypothesis(begun, saved=self.saved)]
 
     @property
-    def landmarks(self) -> NDArray[np.float64]:
-        """Centres of the best hypothesis's landmarks in the world (m). Shape=(N, 2)."""
-        return self.hypotheses[0].map.centres
-
-    @property
     def sigma(self) -> tuple[float, float, float]:
         """Standard deviations of the pose under the best hypothesis: x (m), y (m), theta (rad)."""
         return self.hypotheses[0].map.sigma

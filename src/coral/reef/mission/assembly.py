@@ -78,11 +78,13 @@ def make_robot(
     """Make a robot.
 
     `eyes` are applied to the vehicle's pictures in the loop, None if they have classes and depth when they arrive.
-    `response` is how the vehicle follows its set-points, None: at once, as the simulated one does.
+    `response` is how the vehicle follows its set-points, None: at once, as the simulated one does. The clearance that
+    it needs is added to the controller's.
     """
     vehicle_cfg = cfg.simulator.vehicle
     make_driver = deciding.make_driver or controller_maker(cfg.driver)
-    margin_m = cfg.controller.margin_m + cfg.localization.drift_xy * math.sqrt(UNSEEN_S)
+    inert_m = 0.0 if response is None else response.margin_m
+    margin_m = cfg.controller.margin_m + inert_m + cfg.localization.drift_xy * math.sqrt(UNSEEN_S)
     setup = ControllerSetup(
         cfg=replace(cfg.controller, margin_m=margin_m),
         vehicle=vehicle_cfg,
@@ -153,9 +155,3 @@ def latency_of(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:
 def latency_in_real_time(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:
     """Return how late answers are given in real time: as configured; auto is the time that the advisor takes."""
     return LatencyCfg(kind="measured") if cfg.latency == "auto" else latency_for(advisor, cfg.latency)
-
-
-def with_response(cfg: MissionCfg, response: VehicleResponse) -> MissionCfg:
-    """Return the configuration with the clearance that a vehicle's response needs added to the controller's."""
-    margin_m = cfg.controller.margin_m + response.margin_m
-    return replace(cfg, controller=replace(cfg.controller, margin_m=margin_m))

@@ -291,14 +291,10 @@ class Mission:
         self.emit("judged", **self.judge.verdict(self.belief.tracks, self.collisions, text, self.answer, soon))
         return time.perf_counter() - begun
 
-    def instruct(self, words: str, by: str) -> bool:
-        """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
-        return self.pilot.instruct(words, by)
-
     @property
     def instructing(self) -> Callable[[str, str], bool] | None:
-        """How the instruction is changed; None where there is none to change."""
-        return self.instruct if self.cfg.planner.instruction.text else None
+        """How the instruction of a mission in words is changed, from any thread; None where there is none to change."""
+        return self.pilot.instruct if self.cfg.planner.instruction.text else None
 
     def _finish(self) -> dict[str, Any]:
         timing = timing_of(self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.instruction import Deeds, Fulfilment, KeptOff, MissionText, checked_words
@@ -28,9 +28,7 @@ class WordJudge:
     def __init__(self, world: ReefWorld, scene: Scene, text: MissionText, camera: CameraCfg) -> None:
         self.text, self.done = text, False
         self.answer: str | None = None
-        fx, _, cx, cy = camera.intrinsics
-        rows, columns = np.indices((camera.height, camera.width))
-        self._stretch = np.sqrt(1.0 + ((columns - cx) / fx) ** 2 + ((rows - cy) / fx) ** 2).astype(np.float32)
+        self._stretch = ray_lengths(camera).astype(np.float32)
         """Range by depth of each pixel."""
         self._things, self._scene = world.things, scene
         owners = np.full(len(scene), -1, np.int32) if scene.thing is None else scene.thing

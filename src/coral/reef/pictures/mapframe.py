@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from coral.drawing import RGB, Image, draw_arrow, draw_dot, draw_line, draw_text, text_size
 
-UNEXPLORED, FREE, OBSTACLE, OYSTER = 0, 1, 2, 3
 CELL_COLORS: NDArray[np.uint8] = np.array([(255, 255, 255), (190, 193, 197), (0, 0, 0), (38, 166, 76)], np.uint8)
 """Colours: white unexplored, gray explored free, black obstacles, green oysters (CORAL III-A)."""
 

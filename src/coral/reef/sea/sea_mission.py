@@ -22,7 +22,7 @@ from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.map.belief import Belief
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot, with_response
+from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot
 from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
@@ -118,7 +118,7 @@ class SeaMission:
         response = self.response = cfg.response or VehicleResponse.of_vehicle(sim.vehicle)
         self.vehicle = LinkVehicle(crew.link, crew.camera, crew.sonar, frame or LocalFrame(), response, cfg.depth_m)
         self.robot = make_robot(
-            with_response(mission, response),
+            mission,
             Deciding(advisor=advisor, log=self.record.attempt, draw=crew.draw or (lambda outlook: ())),
             self.vehicle,
             area.start,

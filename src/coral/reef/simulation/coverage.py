@@ -78,22 +78,14 @@ class CoverageMeter:
         """Return the share of every cluster's area seen so far, in the world's order. Shape=(n_clusters,)."""
         return 1.0 - self._left / self._size
 
-    def covered(self, threshold: float | None = None) -> NDArray[np.bool_]:
-        """Return which clusters have been seen to at least `threshold` (None: `cfg.threshold`). Shape=(n_clusters,)."""
-        limit = self.cfg.threshold if threshold is None else threshold
-        return np.asarray(self._size - self._left >= limit * self._size - 1e-9)
+    def covered(self) -> NDArray[np.bool_]:
+        """Return which clusters have been seen to at least `cfg.threshold`. Shape=(n_clusters,)."""
+        return np.asarray(self._size - self._left >= self.cfg.threshold * self._size - 1e-9)
 
     @property
     def coverage(self) -> float:
         """Coverage rate, N_cov / N_total, between 0 and 1 (paper IV-E)."""
         return float(self.covered().sum()) / max(len(self.names), 1)
-
-    def area(self, cluster: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return a cluster's cells, centres (m), Shape=(M, 2), and whether each has been seen, Shape=(M,)."""
-        start, size = self._start[cluster], self._size[cluster]
-        seen = np.ones(size, np.bool_)
-        seen[self._order[start : start + self._left[cluster]] - start] = False
-        return self._cells[start : start + size], seen
 
 
 def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[np.float64]:

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.config import Positive
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
@@ -108,9 +107,6 @@ class ReefSimulator:
         self.coverage = CoverageMeter(self.scene, seen_through_water(cfg))
         self.imaging = ImagingMeter(self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m)
         self.vehicle = VehicleDynamics(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
-        self.distance_m = 0.0
-        self.track: NDArray[np.float64] = np.array([begin[:2]])
-        """Positions of the vehicle in the last tick, before contacts were resolved (m). Shape=(N, 2)."""
         self._judge()
 
     @property
@@ -156,19 +152,12 @@ class ReefSimulator:
         self._since_ping_s = 0.0
         return self._sonar.image(self.pose, altitude_m)
 
-    @property
-    def water(self) -> WaterType | None:
-        """Water of the colour pictures; None when none are taken."""
-        return None if self._painter is None else self._painter.water
-
     def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
         """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle)."""
-        before = self.pose
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
         solid = self.cfg.contact == "solid"
-        self.track = self.vehicle.step(command, dt, current, partial(clearance, self._footprints) if solid else None)
-        self.distance_m += math.dist(before[:2], self.pose[:2])
-        contacts = self._contacts.follow(self.track)
+        track = self.vehicle.step(command, dt, current, partial(clearance, self._footprints) if solid else None)
+        contacts = self._contacts.follow(track)
         self._judge()
         return contacts
 

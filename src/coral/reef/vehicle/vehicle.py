@@ -79,11 +79,6 @@ class VehicleDynamics:
         """Present pose and ground-relative body velocity."""
         return VehicleState(*self._s[:6].tolist())
 
-    @property
-    def wrench(self) -> NDArray[np.float64]:
-        """Wrench that the thrusters produce now (N, N, N m). Shape=(3,)."""
-        return self._s[6:].copy()
-
     def step(
         self,
         command: tuple[float, float],

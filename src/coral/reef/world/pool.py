@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from coral.errors import InputError
+from coral.reef.world.geometry import wrap
 from coral.reef.world.structures import Obstacle, Tank, Tether
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, check_world
 
@@ -75,7 +76,7 @@ def pool(seed: int) -> ReefWorld:
         start = Start(
             x=round(middle + away * math.cos(angle), 3),
             y=round(middle + away * math.sin(angle), 3),
-            theta=round(_wrapped(angle + math.pi + rng.uniform(-0.6, 0.6)), 3),
+            theta=round(wrap(angle + math.pi + rng.uniform(-0.6, 0.6)), 3),
         )
         balls = _balls(rng, (start.x - middle, start.y - middle))
         if balls is None:
@@ -107,10 +108,6 @@ def pool_by_name(name: str) -> ReefWorld:
     if not (text.isascii() and text.isdigit() and len(text) <= 9):
         raise InputError("world", "", repr(name), f"{PREFIX}SEED with a number of 0 or more, such as {PREFIX}0")
     return pool(int(text))
-
-
-def _wrapped(angle: float) -> float:
-    return math.atan2(math.sin(angle), math.cos(angle))
 
 
 def _heap(name: str, x: float, y: float, direction: float, rng: np.random.Generator) -> Cluster:

@@ -25,7 +25,7 @@ TRIES = 300
 def branching(size_m: tuple[float, float], rng: np.random.Generator) -> list[Line]:
     """Draw a trunk through the world, branches off it, and twigs off these. Polylines, Shape=(K, 2) each, metres."""
     edge = min(size_m)
-    lines = [_trunk(size_m, rng)]
+    lines = [_first_line(0.2, 1.2 * size_m[0], size_m, rng)]  # winds from one side of the world to the other
     for length_m, wanted in ((0.4 * edge, 4), (0.2 * edge, 2)):
         parents = list(lines)
         for _ in range(TRIES):
@@ -69,8 +69,7 @@ def looping(size_m: tuple[float, float], rng: np.random.Generator) -> list[Line]
 def patchy(size_m: tuple[float, float], rng: np.random.Generator) -> list[Line]:
     """Draw short pieces of reef, each some 10 m of bare ground away from the others."""
     edge = min(size_m)
-    start = np.array([BORDER_M, rng.uniform(0.25, 0.75) * size_m[1]])
-    lines = [_must_grow(start, 0.0, 10.0, size_m, rng)]
+    lines = [_first_line(0.25, 10.0, size_m, rng)]
     low, high = min(GAP_M[0], GAP * edge), GAP_M[1]
     wanted, others = round(edge / 5.0), _sampled(lines, 0.5)[0]
     for _ in range(10 * TRIES):
@@ -127,18 +126,10 @@ def _sampled(lines: Sequence[Line], step_m: float = 0.1) -> tuple[Line, NDArray[
     return np.concatenate(points), np.concatenate(yaws)
 
 
-def _trunk(size_m: tuple[float, float], rng: np.random.Generator) -> Line:
-    """A winding line from one side of the world to the other."""
-    start = np.array([BORDER_M, rng.uniform(0.3, 0.7) * size_m[1]])
-    return _must_grow(start, 0.0, 1.2 * size_m[0], size_m, rng)
-
-
-def _must_grow(
-    begin: NDArray[np.float64], heading: float, length_m: float, size_m: tuple[float, float], rng: np.random.Generator
-) -> Line:
-    """Grow a line from a place near the border, the longest of several."""
-    found = [_walk(begin, heading + rng.normal(0.0, 0.2), length_m, size_m, [], rng) for _ in range(20)]
-    return max(found, key=len)
+def _first_line(share: float, length_m: float, size_m: tuple[float, float], rng: np.random.Generator) -> Line:
+    """Grow a line about east from within the middle `2 share` of the western border, the longest of several."""
+    begin = np.array([BORDER_M, rng.uniform(0.5 - share, 0.5 + share) * size_m[1]])
+    return max((_walk(begin, rng.normal(0.0, 0.2), length_m, size_m, [], rng) for _ in range(20)), key=len)
 
 
 def _grow(

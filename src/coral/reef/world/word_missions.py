@@ -206,12 +206,13 @@ def _place(things: Sequence[tuple[str, str]], rng: np.random.Generator) -> list[
         spots: list[tuple[float, float]] = []
         placed: list[dict[str, object]] = []
         line = _line(rng)
+        cable = [at[:2] for at in line.values()] if ("cable-1", "cable") in things else []
         for k in rng.permutation(len(things)).tolist():
             name, kind = things[k]
             yaw = float(rng.uniform(-math.pi, math.pi))
             if kind.startswith("cable"):
                 x, y, yaw = line["damage" if kind == "cable-damage" else name]
-            elif (found := _spot(name, [*spots, *((a, b) for a, b, _ in _cable_of(things, line))], rng)) is None:
+            elif (found := _spot(name, [*spots, *cable], rng)) is None:
                 break
             else:
                 x, y = found
@@ -245,12 +246,6 @@ def _line(rng: np.random.Generator) -> dict[str, tuple[float, float, float]]:
     x, y = float(rng.uniform(6.5, 8.0)), float(rng.uniform(7.0, 13.0))
     at = [(x + 2.1 * k * math.cos(yaw), y + 2.1 * k * math.sin(yaw), yaw) for k in range(5)]
     return {**{f"cable-{k + 1}": at[k] for k in range(4)}, "damage": at[4]}
-
-
-def _cable_of(
-    things: Sequence[tuple[str, str]], line: dict[str, tuple[float, float, float]]
-) -> list[tuple[float, float, float]]:
-    return list(line.values()) if any(kind == "cable" for _, kind in things) else []
 
 
 def _animals(
