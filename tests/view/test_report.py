@@ -264,14 +264,17 @@ def test_at_sea_the_answer_stands_alone_and_the_report_says_why(fresh):
 def test_figures_by_the_vehicles_own_map_are_said_to_be_so(fresh):
     assert "True clusters:" in page(fresh)
     assert "of its own map" not in page(fresh)
+    assert "<dt>collisions" in page(fresh)
     with_events(fresh, {"event": "start", "judged_by": OWN_MAP})
     html = page(fresh)
-    for words in ("oyster clusters of its own map", "on that map, putting", "clusters on the vehicle&#39;s own map"):
+    for words in ("oyster clusters of its own map", "contacts are not judged", "clusters on the vehicle&#39;s own map"):
         assert words in html
     for words in (
         "True clusters:",
         "true oyster clusters of which at least 60 % has",
         "True distance",
+        "without touching anything",
+        "<dt>collisions",
         'data-layer="truth"',
     ):
         assert words not in html

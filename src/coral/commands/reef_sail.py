@@ -318,7 +318,7 @@ class ReefSail:
         )
         lines = [
             f"{self.area}: {share if result['clusters_total'] or 'success' not in result else ''}"
-            f"{many(result['collisions'], 'collision')}, "
+            f"{'' if result['collisions'] is None else many(result['collisions'], 'collision') + ', '}"
             f"{result['sim_time_s']:.0f} s in real time, {result['late_ticks']} of {result['ticks']} ticks late; "
             f"ended: {result['end_reason']}",
             f"run folder: {result['run']}",

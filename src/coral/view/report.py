@@ -114,20 +114,20 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not metrics or not metrics.get("steps"):
         return "Nothing was recorded yet."
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
-    touched = int(metrics.get("collisions", 0))
+    touched = int(metrics.get("collisions") or 0)
     found = f"{covered} of {many(total, 'oyster cluster')}"
     if total and covered == total:
         found = f"all {total} oyster clusters" if total > 1 else "the only oyster cluster"
-    safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
+    safe = ", without touching anything" if not touched else f", with {many(touched, 'collision')}"
     if _by_own_map(run):
-        found, safe = f"{found} of its own map", f"{safe} on that map"
+        found, safe = f"{found} of its own map", ""
     had = "" if run.complete else "had "
     verb = f"{had}covered {found} and surveyed" if total or not run.select("instruction") else f"{had}travelled"
     asked = many(int(metrics.get("advisor_calls", 0)), "question")
     minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     lasted = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
-    told = [f"The robot {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to its advisor."]
+    told = [f"The robot {verb} for {lasted} over {distance:.0f} m{safe}, putting {asked} to its advisor."]
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     told += [f"{deciding[0].upper()}{deciding[1:]}."] if deciding else []
     if phantoms := int(metrics.get("phantom_clusters") or 0):
@@ -151,7 +151,7 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any], *, own: bool)
     if not metrics:
         return []
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
-    collisions = int(metrics.get("collisions", 0))
+    collisions = metrics.get("collisions", 0)
     closest = metrics.get("min_clearance_m")
     whole = "good" if total and covered == total else ""
     of_clusters = f"{covered} of {total} clusters{' of its own map' if own else ''}"
@@ -159,11 +159,14 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any], *, own: bool)
     if mission and not total:  # a reef without oysters
         met = sum(verdict == "met" for _, verdict, _ in mission["rows"])
         covering = (mission["verdict"], f"{met} of {len(mission['rows'])} conditions met", "mission", "")
-    passed = f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else ""
+    passed = f"{closest:.2f} m" if isinstance(closest, int | float) else "none seen"
+    safe = (str(collisions), f"closest pass {passed}", "collisions", "bad" if collisions else "good")
+    if own:
+        safe = (passed, "from its hull to obstacles of its own map; contacts are not judged", "closest pass", "")
     again = f"{many(int(metrics.get('requeries', 0)), 're-query', 're-queries')} among them"
     return [
         covering,
-        (str(collisions), passed, "collisions", "bad" if collisions else "good"),
+        safe,
         (
             clock(float(metrics.get("sim_time_s", 0))),
             "minutes" if "late_ticks" in metrics else "minutes, simulated",

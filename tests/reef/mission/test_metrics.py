@@ -3,7 +3,14 @@ import json
 import pytest
 
 from coral.errors import InputError
-from coral.reef.mission.metrics import DEFINITIONS, clusters_left, compute_metrics, metrics_of, seconds_in_states
+from coral.reef.mission.metrics import (
+    DEFINITIONS,
+    OWN_MAP,
+    clusters_left,
+    compute_metrics,
+    metrics_of,
+    seconds_in_states,
+)
 
 
 def row(step, x, coverage, covered, clearance=1.0):
@@ -74,6 +81,11 @@ def test_a_killed_run_is_measured_up_to_its_last_whole_line(tmp_path):
 def test_a_folder_that_is_no_run_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"events\.jsonl"):
         compute_metrics(tmp_path)
+
+
+def test_where_nobody_knows_the_truth_contacts_are_not_counted():
+    at_sea = [{**event, "judged_by": OWN_MAP} if event["event"] == "start" else event for event in EVENTS]
+    assert metrics_of(at_sea, [row(1, 0.0, 0.0, 0)])["collisions"] is None
 
 
 def state(t, name):

@@ -2,6 +2,7 @@ import json
 
 import pytest
 
+from coral.reef.mission.metrics import OWN_MAP, TRUTH
 from coral.view.live.reef_subject import COLUMNS, ReefSubject
 from coral.view.run import RunFolder
 
@@ -17,6 +18,13 @@ def test_the_head_says_what_never_changes(subject):
     assert head["title"] == "made-up <reef>"
     assert len(head["truth"]) > 0
     assert head["truth"][0][0] == head["truth"][0][-1]
+
+
+def test_contacts_are_numbers_only_where_somebody_judges_them(subject):
+    verdict = {"event": "verdict", "t": 3, "verdict": "accepted", "answer": {}}
+    for judge, shown in ((TRUTH, True), (OWN_MAP, False)):
+        subject.tell({"event": "start", "t": 0, "clusters_total": 3, "judged_by": judge})
+        assert ("collisions" in [name for name, *_ in subject.tell(verdict)["numbers"]]) is shown
 
 
 def test_events_become_lines_and_numbers(subject):

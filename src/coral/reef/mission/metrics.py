@@ -23,7 +23,7 @@ DEFINITIONS = {
     "clusters_covered": "The number of those clusters.",
     "clusters_total": "The number of true clusters in the world.",
     "collisions": "Contacts of the 0.3 m robot disc with a true obstacle, checked at every integration step, counted "
-    "once per contact (paper IV-E).",
+    "once per contact (paper IV-E); null where nobody knows the truth.",
     "advisor_calls": "Questions put to the advisor, re-queries after a rejection included (paper: VLM invocations).",
     "requeries": "Those of the calls that repeated a question after a rejected, malformed or missing answer.",
     "rejections": "Answers refused by a verifier.",
@@ -37,7 +37,8 @@ DEFINITIONS = {
     "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
     "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); null without any.",
     "distance_m": "Length of the true trajectory (m).",
-    "min_clearance_m": "Smallest true distance between the robot disc and an obstacle (m).",
+    "min_clearance_m": "Smallest distance between the robot disc and a true obstacle (m), or, where nobody knows the "
+    "truth, one on the vehicle's own map: below 0, that map had an obstacle where the vehicle was.",
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
     "end_reason": "Why the mission ended.",
     "judged_by": "Who judged coverage, contacts and clearance of `reef sail`: the truth of a simulated reef, or, where "
@@ -97,13 +98,14 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     events = list(events)
     counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = 0
-    clusters_total, covered_at, end, preset = 0, 0.0, "killed", None
+    clusters_total, covered_at, end, preset, judged_by = 0, 0.0, "killed", None, TRUTH
     for event in events:
         kind = event["event"]
         if kind in counts:
             counts[kind] += 1
         if kind == "start":
             clusters_total, preset = int(event["clusters_total"]), event.get("preset")
+            judged_by = event.get("judged_by", TRUTH)
         elif (
             kind == "judged" and not clusters_total and "clusters" not in event
         ):  # in real water: those on the vehicle's own map
@@ -129,7 +131,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "coverage": coverage,
         "clusters_covered": covered,
         "clusters_total": clusters_total,
-        "collisions": counts["collision"],
+        "collisions": None if judged_by == OWN_MAP else counts["collision"],
         "advisor_calls": counts["question"],
         "requeries": requeries,
         "rejections": rejections,

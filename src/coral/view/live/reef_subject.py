@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.decide.said import said_by
+from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.world.scene import RECTANGLE, Scene
 from coral.reef.world.world import ReefWorld
 from coral.view.decisions import Try
@@ -72,6 +73,7 @@ class ReefSubject:
             ],
         }
         self._calls = self._again = self._hits = self._covered = self._clusters = 0
+        self._judged = True
         self._cause = self._state = ""
         self._asked: Moment | None = None
 
@@ -94,13 +96,14 @@ class ReefSubject:
         again = f" ({self._again} again)" if self._again else ""
         return [
             ["clusters", f"{self._covered} of {self._clusters}", ""],
-            ["collisions", str(self._hits), "bad" if self._hits else ""],
+            *([["collisions", str(self._hits), "bad" if self._hits else ""]] if self._judged else []),
             ["advisor calls", f"{self._calls}{again}", ""],
             *([["state", self._state, "" if self._state in CALM else "bad"]] if self._state else []),
         ]
 
     def _on_start(self, event: Record) -> Moment:
         self._clusters = int(event.get("clusters_total") or 0)
+        self._judged = event.get("judged_by") != OWN_MAP
         return {"line": "the mission begins"}
 
     def _on_trigger(self, event: Record) -> None:
