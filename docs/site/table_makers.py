@@ -19,8 +19,9 @@ from coral.commands.keyboard import KEYS
 from coral.contact.scene.task_file import load_task_file
 from coral.contact.scene.task_names import HALVES, suite_tasks
 from coral.field_docs import class_doc, field_docs
-from coral.reef.eyes import reef_net, semantic_map, yolo_eyes
+from coral.reef.eyes import reef_net
 from coral.reef.mission.presets import NOISE, PRESETS
+from coral.reef.networks import semantic_map, yolo_eyes
 from coral.reef.sea.operator import WORDS
 from coral.reef.vehicle.states import CHANGES
 from coral.reef.world.kinds import catalogue

@@ -64,6 +64,10 @@ OURS: dict[str, dict[str, str]] = {
         "sonar": "coral.reef.rehearsal.simulated_sonar:SimulatedSonar",
         "truth": "coral.reef.rehearsal.truth:TruthFeed",
     },
+    "networks": {
+        "classes": "coral.reef.networks.own_network:open_classes",
+        "depth": "coral.reef.networks.relative_depth:with_depth",
+    },
     "painter": {"reef": "coral.reef.paint.painter:Painter"},
     "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
     "notice": {"desk": "coral.desk.notice:mission_notice"},

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.eyes.class_table import ClassTable, class_table
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth, standing_depth
-from coral.reef.eyes.network_notes import NetworkNotes, read_notes
 from coral.reef.eyes.perception import UNSTATED_DOUBT, CameraAttitude, SeenPicture
-from coral.reef.eyes.picture_input import UNIT
 from coral.reef.eyes.reef_net import OBSTACLE_FROM
+from coral.reef.networks.class_table import ClassTable, class_table
+from coral.reef.networks.network_notes import NetworkNotes, read_notes
+from coral.reef.networks.picture_input import UNIT
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.eyes.yolo_masks import PROTOTYPES, box_overlap, decode, draw_masks, layout_of
+from coral.reef.networks.yolo_masks import PROTOTYPES, box_overlap, decode, draw_masks, layout_of
 
 
 def candidates(*rows):

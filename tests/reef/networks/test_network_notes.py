@@ -6,8 +6,8 @@ import pytest
 from given_networks import given
 
 from coral.errors import InputError
-from coral.reef.eyes.network_notes import read_notes
-from coral.reef.eyes.picture_input import IMAGENET, UNIT
+from coral.reef.networks.network_notes import read_notes
+from coral.reef.networks.picture_input import IMAGENET, UNIT
 
 
 def network(folder, metadata=None, beside=None):

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.onnx_file import OnnxFile
+from coral.onnx_file import OnnxFile, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.eyes.network_notes import NetworkNotes, read_notes
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
-from coral.reef.eyes.picture_input import IMAGENET
-from coral.reef.eyes.pixel_check import CAMERA, depth_kind, shipped_picture
+from coral.reef.networks.network_notes import NetworkNotes, read_notes
+from coral.reef.networks.picture_input import IMAGENET
+from coral.reef.networks.pixel_check import CAMERA, depth_kind, shipped_picture
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Label
 
@@ -161,6 +162,15 @@ class RelativeDepthEyes:
         depth = np.maximum(fit.metres(relative), np.float32(camera.near_m))
         far = (seen.labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
         return SeenPicture(seen.labels, np.where(far, np.float32(np.inf), depth).astype(np.float32), seen.doubt)
+
+
+def with_depth(eyes: RgbPerception, path: Path) -> RelativeDepthEyes:
+    """Return eyes whose depth is that of a relative network in a file.
+
+    Raises:
+        InputError: The file cannot be used, or has another layout.
+    """
+    return RelativeDepthEyes(eyes, DepthAnything(open_picture_network(path, "--depth")))
 
 
 def _thinned(values: NDArray[np.float32], most: int) -> NDArray[np.float32]:

@@ -1,7 +1,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.eyes.class_table import class_table, read_names
+from coral.reef.networks.class_table import class_table, read_names
 from coral.reef.world.geometry import Label
 
 

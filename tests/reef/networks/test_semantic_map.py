@@ -3,11 +3,11 @@ import pytest
 from given_networks import given, one_hot
 
 from coral.errors import InputError
-from coral.reef.eyes.class_table import ClassTable
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.semantic_map import SemanticEyes, gather_labels, resize_channels
+from coral.reef.networks.class_table import ClassTable
+from coral.reef.networks.semantic_map import SemanticEyes, gather_labels, resize_channels
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

@@ -4,8 +4,8 @@ from given_networks import given
 
 from coral.errors import InputError
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
-from coral.reef.eyes.yolo_masks import PROTOTYPES
+from coral.reef.networks.yolo_eyes import YoloEyes, is_yolo
+from coral.reef.networks.yolo_masks import PROTOTYPES
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

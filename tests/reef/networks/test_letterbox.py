@@ -1,6 +1,6 @@
 import numpy as np
 
-from coral.reef.eyes.letterbox import GRAY, Letterbox
+from coral.reef.networks.letterbox import GRAY, Letterbox
 
 
 def test_a_wide_picture_gets_borders_above_and_below():

@@ -7,7 +7,7 @@ from coral.errors import InputError
 from coral.onnx_file import OnnxFile, open_onnx, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.relative_depth import DepthAnything, RelativeDepthEyes, fit_scale_shift
+from coral.reef.networks.relative_depth import DepthAnything, RelativeDepthEyes, fit_scale_shift
 from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import relative_depth
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.eyes.picture_input import BYTES, IMAGENET, UNIT, PictureInput
+from coral.reef.networks.picture_input import BYTES, IMAGENET, UNIT, PictureInput
 
 
 def test_values_by_hand():

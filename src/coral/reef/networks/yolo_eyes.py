@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.eyes.class_table import class_table
 from coral.reef.eyes.ground_plane import ground_depth, standing_depth
-from coral.reef.eyes.letterbox import Letterbox
-from coral.reef.eyes.network_notes import NetworkNotes, read_notes
 from coral.reef.eyes.perception import UNSTATED_DOUBT, CameraAttitude, SeenPicture
-from coral.reef.eyes.picture_input import UNIT
-from coral.reef.eyes.yolo_masks import PROTOTYPES, Layout, decode, draw_masks, layout_of
+from coral.reef.networks.class_table import class_table
+from coral.reef.networks.letterbox import Letterbox
+from coral.reef.networks.network_notes import NetworkNotes, read_notes
+from coral.reef.networks.picture_input import UNIT
+from coral.reef.networks.yolo_masks import PROTOTYPES, Layout, decode, draw_masks, layout_of
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

@@ -12,8 +12,8 @@ from coral.config import read_config
 from coral.errors import InputError
 from coral.foreign_file import read_json
 from coral.onnx_file import OnnxFile
-from coral.reef.eyes.class_table import read_names
-from coral.reef.eyes.picture_input import SCALINGS, PictureInput
+from coral.reef.networks.class_table import read_names
+from coral.reef.networks.picture_input import SCALINGS, PictureInput
 
 SUFFIX = ".eyes.yaml"
 _HUGGING_FACE = "pixel_values"
