@@ -88,7 +88,7 @@ def colour_run(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def network(tmp_path_factory):
-    """A file with a network that takes red for oysters and everything else for sea floor."""
+    """A file with a network that takes red for oysters and everything else for sea floor: `coral.reef.networks`."""
     path = tmp_path_factory.mktemp("net") / "red.onnx"
     path.write_bytes(red_is_oyster(80, 60))
     return path
