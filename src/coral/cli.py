@@ -81,11 +81,9 @@ class Command(Protocol):
 
     def __call__(self) -> Mapping[str, Any]:
         """Do the work and return the result, which `--json` prints."""
-        ...
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the result for people."""
-        ...
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -18,7 +18,6 @@ class Run(Protocol):
 
     def advance(self) -> None:
         """Execute the next control steps."""
-        ...
 
 
 R_contra = TypeVar("R_contra", contravariant=True)
@@ -30,11 +29,9 @@ class Observer(Protocol[R_contra]):
 
     def tick(self, run: R_contra, /) -> None:
         """Handle the state after an `advance`; called after each one."""
-        ...
 
     def stop_requested(self) -> str:
         """Return the reason to stop now, or ""."""
-        ...
 
 
 def run_to_end(run: R, observers: Sequence[Observer[R]]) -> None:

@@ -77,7 +77,6 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Return seconds since the start of the run."""
-        ...
 
     async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
         """Start `asking()` (a coroutine), and return its result when it arrives on this clock.

@@ -63,7 +63,6 @@ class Executor(Protocol):
         The episode's files are in its task's scratch folder by then. A worker that dies affects no other episode: its
         own is repeated a few times, then its outcome is a failure. Closing the iterator early stops every worker.
         """
-        ...
 
 
 def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:

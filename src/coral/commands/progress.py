@@ -80,7 +80,6 @@ class RunningEpisode(Protocol):
     @property
     def stage(self) -> str:
         """Return the name of the active stage."""
-        ...
 
 
 class EpisodeProgress(RunBar):

@@ -91,15 +91,12 @@ class RobotKind(Protocol):
 
     def robot_trial(self, trial: Trial, flags: RobotFlags) -> Trial:
         """Return the trial as it is attempted."""
-        ...
 
     def robot_cfg(self, cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
         """Return the configuration for the robot."""
-        ...
 
     def make_robot_world(self, trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bool = False) -> RobotWorld:
         """Connect with the robot, and return its world, ready to move; `quiet` shows no commands of a dry run."""
-        ...
 
 
 def robot_names() -> tuple[str, ...]:

@@ -25,7 +25,6 @@ class HandController(Protocol):
 
     def reset(self, now: Observation) -> None:
         """Forget the plan: the hand stands still. Called before the first plan."""
-        ...
 
     def plan(
         self,
@@ -45,7 +44,6 @@ class HandController(Protocol):
         Raises:
             CostError: The stage's cost cannot be evaluated.
         """
-        ...
 
 
 MakeHandController = Callable[[PlanningWorld, ControllerCfg, np.random.Generator], HandController]

@@ -128,7 +128,6 @@ class Cost(Protocol):
         Raises:
             CostError: The cost cannot be evaluated on this state.
         """
-        ...
 
 
 @runtime_checkable

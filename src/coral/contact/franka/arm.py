@@ -46,11 +46,9 @@ class Arm(Protocol):
         Raises:
             ArmError: There is none.
         """
-        ...
 
     def go_to(self, joints: Array) -> None:
         """Begin a slow motion to a posture, Shape=(7,) rad."""
-        ...
 
     def arrived(self) -> bool:
         """Return whether the motion of `go_to` has ended.
@@ -58,7 +56,6 @@ class Arm(Protocol):
         Raises:
             ArmError: It was aborted.
         """
-        ...
 
     def follow(self, target: HandTarget) -> None:
         """Pull the tool towards a target in the base frame, as a spring; the first call begins the motion.
@@ -66,16 +63,12 @@ class Arm(Protocol):
         Raises:
             ArmError: The arm does not obey.
         """
-        ...
 
     def open_to(self, opening_m: float) -> None:
         """Command an opening of the gripper, at every tick; closing on an object holds it with the gripper's force."""
-        ...
 
     def stop(self) -> None:
         """Stop all motion of the arm; the gripper keeps its hold. Never raises."""
-        ...
 
     def close(self) -> None:
         """Release the connection. Never raises."""
-        ...

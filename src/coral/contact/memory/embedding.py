@@ -27,7 +27,6 @@ class Embedder(Protocol):
 
     def embed(self, text: str) -> Vector:
         """Return the embedding, Shape=(n,), length 1."""
-        ...
 
 
 class HashedConcepts:

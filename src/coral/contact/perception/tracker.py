@@ -47,8 +47,6 @@ class PoseTracker(Protocol):
         Raises:
             TrackerFailed: The tracker failed.
         """
-        ...
 
     def close(self) -> None:
         """Release remote resources, for example on a server; never fails, and may be called again."""
-        ...

@@ -31,11 +31,9 @@ class Traceable(Protocol):
 
     def trace(self, state: Context) -> Traced:
         """Return terms and distances."""
-        ...
 
     def line(self, number: int) -> str:
         """Return the text of a line."""
-        ...
 
 
 def quoted(cost: object, line: int) -> str:

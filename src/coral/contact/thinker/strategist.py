@@ -62,19 +62,16 @@ class Strategist(Protocol):
     @property
     def counts(self) -> StrategistCounts:
         """Return the counts so far."""
-        ...
 
     @property
     def guesses_poses(self) -> bool:
         """Return whether poses are estimated once at the start, after which nothing tracks the objects."""
-        ...
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Estimate the objects' poses from a picture; called before `begin` if `guesses_poses`.
 
         The trial's poses must not be read, and `first` is without any object.
         """
-        ...
 
     def attach_log(self, emit: Callable[..., None]) -> None:
         """Attach the run's log: `emit(event, **fields)` appends an event."""
@@ -101,7 +98,6 @@ class Strategist(Protocol):
                 it.
             EpisodeOver: The episode ended while an advisor was answering. All methods that ask raise it.
         """
-        ...
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
         """Handle a new plan; return a new strategy, or None to keep the present one.

@@ -42,11 +42,9 @@ class Thinking(Protocol):
     @property
     def clock_s(self) -> float:
         """Return the simulated time (s) since the first question, all latencies included."""
-        ...
 
     def go_on(self, seconds: float) -> bool:
         """Advance simulated time; return False if the episode ended meanwhile."""
-        ...
 
 
 class Frozen:

@@ -30,7 +30,6 @@ class TruthfulWorld(RobotWorld, Protocol):
 
     def truth(self) -> Truth:
         """Return the true state, by which success is judged."""
-        ...
 
 
 @runtime_checkable
@@ -43,7 +42,6 @@ class EvaluationWorld(TruthfulWorld, Protocol):
 
         It is for sensors and records only: a decision must not read it.
         """
-        ...
 
 
 def body_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:

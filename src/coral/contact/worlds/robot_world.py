@@ -31,7 +31,6 @@ class RobotWorld(Protocol):
 
     def reset(self) -> Observation:
         """Bring the robot to the start of the episode, and measure."""
-        ...
 
     def step(self, target: HandTarget) -> Observation:
         """Pull the hand towards `target` for one control period, and measure at its end.
@@ -39,15 +38,12 @@ class RobotWorld(Protocol):
         Raises:
             WorldError: The robot cannot continue.
         """
-        ...
 
     def stop(self) -> None:
         """Stop all motion. An episode calls it once, as soon as it ends for whatever reason; never raises."""
-        ...
 
     def close(self) -> None:
         """Release the world's resources."""
-        ...
 
 
 def in_real_time(world: RobotWorld) -> bool:

@@ -25,11 +25,9 @@ class Controls(Protocol):
 
     def panel(self, status: str) -> Panel:
         """Return the buttons as the page draws them, for a run in this state."""
-        ...
 
     def press(self, name: str, value: Any) -> bool:
         """Act on a button; whether there is one of this name and value."""
-        ...
 
 
 class RunControls:

@@ -27,11 +27,9 @@ class Subject(Protocol):
 
     def tell(self, event: Record) -> Moment | None:
         """Return what an event changes for a viewer; None if nothing."""
-        ...
 
     def row(self, row: Mapping[str, float]) -> list[float]:
         """Return the numbers that the page needs of one row of a trajectory, time first."""
-        ...
 
 
 class Tail:

@@ -35,7 +35,6 @@ class RgbdCamera(Protocol):
         Raises:
             InputError: There is no such camera, or what it delivers cannot be used.
         """
-        ...
 
     def newest(self) -> RgbdFrame | None:
         """Return the newest picture that was not returned before; None if there is none. Never waits.
@@ -46,11 +45,9 @@ class RgbdCamera(Protocol):
         Raises:
             CameraFailed: The camera failed.
         """
-        ...
 
     def close(self) -> None:
         """Release the camera; never fails, and may be called again."""
-        ...
 
 
 def stream_frames(

@@ -30,7 +30,6 @@ class MaskSource(Protocol):
         Raises:
             InputError: The picture lacks colours that are needed.
         """
-        ...
 
 
 def clean_mask(mask: Mask) -> Mask:
