@@ -6,7 +6,6 @@ gigabytes. The bounds are those of `coral.limits`.
 
 from __future__ import annotations
 
-import ast
 import io
 import json
 import os
@@ -282,21 +281,10 @@ def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> 
 
 
 def _array(content: bytes, name: str) -> NDArray[Any]:
-    """Read an array in NumPy's format, versions 1 to 3."""
-    import numpy as np
+    from numpy.lib import format as npy
 
-    long = content[6:7] in (b"\x02", b"\x03")
-    start = 12 if long else 10
-    if content[:6] != b"\x93NUMPY" or len(content) < start:
-        raise ValueError(f"{name}: no array")
-    length = int.from_bytes(content[8:start], "little")
     try:
-        head = ast.literal_eval(content[start : start + length].decode("latin-1"))
-        kind, shape, fortran = np.dtype(head["descr"]), tuple(map(int, head["shape"])), head["fortran_order"]
-        if kind.hasobject:
-            raise ValueError("it has Python objects")
-        flat = np.frombuffer(content, kind, offset=start + length)
-        return flat.reshape(shape, order="F" if fortran else "C").copy()
+        return npy.read_array(io.BytesIO(content), allow_pickle=False)
     except (ValueError, TypeError, KeyError, SyntaxError, MemoryError, RecursionError) as error:
         raise ValueError(f"{name}: no array ({first_line(error)})") from None
 

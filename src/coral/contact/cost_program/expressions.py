@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -60,24 +60,12 @@ def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
             trace.lost = (node.lineno, ast.unparse(node)[:80])
 
 
-def _constant(machine: Machine, node: Any) -> Value:
-    return cast(Value, node.value)
-
-
-def _name(machine: Machine, node: Any) -> Value:
-    return machine.lookup(node.id)
-
-
 def _attribute(machine: Machine, node: Any) -> Value:
     base = evaluate(machine, node.value)
     machine.meter.line = node.lineno
     if isinstance(base, dict):  # kept for later, it would not see how the dict changes
         raise machine.meter.fault("not_allowed", "a method of a dict is called at once")
     return attribute(machine, base, node.attr)
-
-
-def _call(machine: Machine, node: Any) -> Value:
-    return call(machine, node, evaluate)
 
 
 def _binary(machine: Machine, node: Any) -> Value:
@@ -174,14 +162,6 @@ def _compare(machine: Machine, node: Any) -> Value:
     return found
 
 
-def _list(machine: Machine, node: Any) -> Value:
-    return bounded(machine.meter, [evaluate(machine, item) for item in node.elts])
-
-
-def _tuple(machine: Machine, node: Any) -> Value:
-    return bounded(machine.meter, tuple(evaluate(machine, item) for item in node.elts))
-
-
 def _dict(machine: Machine, node: Any) -> Value:
     items: dict[Value, Value] = {}
     for key_node, value_node in zip(node.keys, node.values, strict=True):
@@ -212,10 +192,6 @@ def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
         unpack(machine, part, item)
 
 
-def _lambda(machine: Machine, node: Any) -> Value:
-    return make_function(machine, "lambda", node.args, node.body, frozenset())
-
-
 def make_function(
     machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr, names: frozenset[str]
 ) -> Function:
@@ -227,7 +203,6 @@ def make_function(
 
 
 def _comprehension(machine: Machine, node: Any) -> Value:
-    """Evaluate the comprehension of a list or a generator."""
     names = frozenset(
         item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
     )
@@ -256,10 +231,6 @@ def _comprehension(machine: Machine, node: Any) -> Value:
     generate(0)
     machine.stack.pop()
     return bounded(machine.meter, found)
-
-
-def _subscript(machine: Machine, node: Any) -> Value:
-    return subscript(machine, evaluate(machine, node.value), node.slice)
 
 
 def subscript(machine: Machine, base: Value, node: ast.expr) -> Value:
@@ -304,21 +275,21 @@ def _misplaced(machine: Machine, node: Any) -> Value:
 
 
 EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
-    ast.Constant: _constant,
-    ast.Name: _name,
+    ast.Constant: lambda machine, node: node.value,
+    ast.Name: lambda machine, node: machine.lookup(node.id),
     ast.Attribute: _attribute,
-    ast.Call: _call,
+    ast.Call: lambda machine, node: call(machine, node, evaluate),
     ast.BinOp: _binary,
     ast.UnaryOp: _unary,
     ast.BoolOp: _bool,
     ast.IfExp: _if,
     ast.Compare: _compare,
-    ast.List: _list,
-    ast.Tuple: _tuple,
+    ast.List: lambda machine, node: bounded(machine.meter, [evaluate(machine, item) for item in node.elts]),
+    ast.Tuple: lambda machine, node: bounded(machine.meter, tuple(evaluate(machine, item) for item in node.elts)),
     ast.Dict: _dict,
-    ast.Lambda: _lambda,
+    ast.Lambda: lambda machine, node: make_function(machine, "lambda", node.args, node.body, frozenset()),
     ast.ListComp: _comprehension,
     ast.GeneratorExp: _comprehension,
-    ast.Subscript: _subscript,
+    ast.Subscript: lambda machine, node: subscript(machine, evaluate(machine, node.value), node.slice),
     ast.Slice: _misplaced,
 }

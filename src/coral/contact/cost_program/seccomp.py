@@ -67,19 +67,16 @@ def filter_program(calls: Calls) -> bytes:
     ]
     if calls.arch == MACHINES["x86_64"].arch:
         code += [(JUMP_ABOVE, 0, 1, 0x40000000), (RETURN, 0, 0, KILL)]  # the x32 numbers of the same calls
-    for number, descriptor in ((calls.read, 0), (calls.write, 1)):
+    checked = [
+        (calls.read, FIRST_ARGUMENT, (JUMP_EQUAL, 0, 1, 0)),
+        (calls.write, FIRST_ARGUMENT, (JUMP_EQUAL, 0, 1, 1)),
+        *((number, THIRD_ARGUMENT, (JUMP_SET, 1, 0, PROT_EXEC)) for number in calls.memory),
+    ]
+    for number, argument, allowed in checked:
         code += [
             (JUMP_EQUAL, 0, 4, number),
-            (LOAD, 0, 0, FIRST_ARGUMENT),
-            (JUMP_EQUAL, 0, 1, descriptor),
-            (RETURN, 0, 0, ALLOW),
-            (RETURN, 0, 0, KILL),
-        ]
-    for number in calls.memory:
-        code += [
-            (JUMP_EQUAL, 0, 4, number),
-            (LOAD, 0, 0, THIRD_ARGUMENT),
-            (JUMP_SET, 1, 0, PROT_EXEC),
+            (LOAD, 0, 0, argument),
+            allowed,
             (RETURN, 0, 0, ALLOW),
             (RETURN, 0, 0, KILL),
         ]

@@ -48,7 +48,6 @@ def _assign(machine: Machine, node: Any) -> bool:
 
 
 def _assign_to(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Assign a value to a target of an assignment or loop."""
     if not isinstance(target, ast.Subscript):
         unpack(machine, target, value)
         return
@@ -153,10 +152,6 @@ def _leave_turn(machine: Machine, node: Any) -> bool:
     return False
 
 
-def _pass(machine: Machine, node: Any) -> bool:
-    return True
-
-
 def _define(machine: Machine, node: Any) -> bool:
     machine.frame.variables[node.name] = make_function(
         machine, node.name, node.args, node.body, machine.own_names[id(node)]
@@ -199,7 +194,7 @@ EXECUTORS: dict[type[ast.AST], Callable[[Machine, Any], bool]] = {
     ast.For: _for,
     ast.Break: _leave_turn,
     ast.Continue: _leave_turn,
-    ast.Pass: _pass,
+    ast.Pass: lambda machine, node: True,
     ast.FunctionDef: _define,
     ast.Import: _import,
 }
