@@ -169,7 +169,6 @@ def _place(name: str) -> str:
 
 
 def _parse(name: str, words: Sequence[str]) -> Command:
-    """Parse flags into the command's dataclass."""
     place = _place(name)
     if name in FIRST and re.fullmatch("[^-:][^:]*", "".join(words[:1])):  # not gen:3, libero:object/0
         load(FIRST[name])(words[0])

@@ -218,7 +218,6 @@ def _tested(of: Callable[[Row], float], group: Group) -> str:
 
 
 def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """Make the table of who decided, for each variant."""
     groups = [Group(_name(variant), own) for variant, own in group_by(rows, lambda row: row["variant"]).items()]
     note = "Experts and served policies ask no advisor."
     return decided_table(groups, caption, (note, *source), runs="trials")
@@ -262,7 +261,6 @@ def _name(variant: str) -> str:
 
 
 def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:
-    """Describe how the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
     poses = ", ".join(sorted({_poses(row) for row in chosen}))
     made = made_by(chosen, about, command)

@@ -375,7 +375,6 @@ def name(variant: str) -> str:
 
 
 def _source(rows: Sequence[Row], advisor: str, about: Mapping[str, Any], command: str) -> tuple[str, ...]:
-    """Describe the source of a table's numbers."""
     chosen = [row for row in rows if row["status"] == "done"]
     seeds = sorted({int(row["seed"]) for row in chosen})
     worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))

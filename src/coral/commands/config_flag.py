@@ -64,7 +64,6 @@ def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> 
 
 
 def _words(key: str, value: Any) -> list[str]:
-    """Format a flag for the command line."""
     if isinstance(value, bool):
         group, _, last = key.rpartition(".")
         return [f"--{group}.{'' if value else 'no-'}{last}"]

@@ -125,7 +125,6 @@ class ContactPoses:
 
 
 def _pose(estimate: PoseEstimate | None) -> dict[str, Any]:
-    """Return the last pose for the result."""
     from coral.contact.scene.geometry import quaternion_of
 
     if estimate is None:

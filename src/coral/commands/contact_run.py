@@ -196,7 +196,6 @@ class ContactRun:
             return {**result, "decided": decided, "run": str(folder), **made}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
-        """Run an episode with a served policy."""
         run = our_part("policy", "served", "--policy")
         with closing(EpisodeProgress(quiet=self.quiet)) as progress:
             result, folder = run(policy, trial, self.arm.world, cfg, self.out, [progress], taken=VARIANTS)

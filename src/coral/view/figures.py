@@ -153,7 +153,6 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
 
 
 def _stretches(times: Sequence[float], gap: float = 0.35) -> list[tuple[float, float]]:
-    """Join consecutive ticks to intervals."""
     joined: list[tuple[float, float]] = []
     for t in times:
         if joined and t - joined[-1][1] <= gap:

@@ -183,7 +183,6 @@ def _world(path: Path, notes: list[str]) -> Record:
 
 
 def _keep_sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tuple[Record, ...]:
-    """Return the records that can be drawn."""
     kept = tuple(record for record in records if sound(record))
     if len(kept) < len(records):
         notes.append(f"{name}: {many(len(records) - len(kept), 'line')} with text where a number belongs left out.")

@@ -103,6 +103,5 @@ class Reactive:
 
 
 def _clip_length(vector: Array, most: float) -> Array:
-    """Shorten the vector to at most `most`."""
     length = float(np.linalg.norm(vector))
     return vector if length <= most else vector * (most / length)

@@ -172,6 +172,5 @@ class CostProgram:
 
 
 def _short(name: Value) -> str:
-    """Shorten the key of a dict for an error message."""
     text = ascii(name)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."

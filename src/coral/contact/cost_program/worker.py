@@ -320,7 +320,6 @@ class WorkerCost:
 
 
 def _unnamed_file(size: int) -> int:
-    """Return the descriptor of an unnamed file in memory."""
     if hasattr(os, "memfd_create"):
         descriptor = os.memfd_create("coral-cost")
     else:
@@ -331,7 +330,6 @@ def _unnamed_file(size: int) -> int:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Kill the process and reap it."""
     with contextlib.suppress(OSError):
         process.kill()
     with contextlib.suppress(subprocess.TimeoutExpired):

@@ -467,7 +467,6 @@ class Episode:
         self.emit("start", **start_fields(self.trial, **about, poses=poses, **tracker, **judged))
 
     def _emit_track_changes(self) -> None:
-        """Emit events for objects that the tracker lost or found again."""
         for fields in self.tracked.news() if self.tracked is not None else ():
             self.emit("track", **fields)
 
@@ -477,7 +476,6 @@ class Episode:
         return None if seen is None or not truth.contacts_known else seen.compare(self.now, truth)
 
     def _follow(self, strategy: Strategy) -> None:
-        """Start a strategy at its first stage."""
         self.progress, self._since = Progress(strategy), self.now
         self.reactive.reset()
         self.emit(

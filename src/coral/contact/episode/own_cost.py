@@ -114,7 +114,6 @@ def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
 
 
 def _to_strategy(given: Any, name: str, where: str) -> Strategy:
-    """Make a strategy whose costs are `NumpyCost`s."""
     if isinstance(given, Strategy):
         strategy = given
     elif isinstance(given, Stage):

@@ -89,7 +89,6 @@ class CameraProcess:
 
 
 def _run(job: CameraJob, told: SharedBlock[HandReading | None], connection: Connection) -> None:
-    """Body of the process."""
     leave_interrupts_to_the_program()
     camera, tracking = get_ready(connection, lambda: _prepare(job))
     parent = os.getppid()

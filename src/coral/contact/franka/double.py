@@ -127,7 +127,6 @@ class Double:
 def _serve(
     trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[Observation | None], connection: Connection
 ) -> None:
-    """Body of the process."""
     leave_interrupts_to_the_program()
     with contextlib.suppress(OSError, AttributeError):  # an arm does not slow down because the machine is busy
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)

@@ -181,7 +181,6 @@ class FrankyArm:
 
     @contextlib.contextmanager
     def _translating(self) -> Any:
-        """Convert the package's exceptions."""
         try:
             yield
         except ArmError:

@@ -162,7 +162,6 @@ class Stream:
         return len(self._readings) >= self._cfg.bias_readings
 
     def _tool(self) -> BodyState | None:
-        """Return the tool in the world."""
         if (state := self.state) is None:
             return None
         position = state.position + np.asarray(self._cfg.base_m)
@@ -191,7 +190,6 @@ class Stream:
         self._pressing += (1.0 - np.exp(-passed_s / PRESSING_S)) * (self.wrench[:3] - self._pressing)
 
     def _check(self, now: float) -> None:
-        """Stop for the first reason that holds."""
         cfg, state = self._cfg, self.state
         if state is None or now - self._fresh_at > cfg.link_timeout_s:
             self.stop(StopCause.LINK, f"no new state for {1e3 * (now - self._fresh_at):.0f} ms")

@@ -124,7 +124,6 @@ def _run(
     report_block: SharedBlock[StreamReport],
     connection: Connection,
 ) -> None:
-    """Body of the process."""
     pressed: list[int] = []
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does

@@ -189,7 +189,6 @@ def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def _apply(pose: NDArray[np.float64], middle: NDArray[np.float64], step: NDArray[np.float64]) -> None:
-    """Rotate the pose about `middle` and shift it."""
     angle = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     s = math.sin(angle) / angle if angle > 1e-12 else 1.0
     c = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-12 else 0.5

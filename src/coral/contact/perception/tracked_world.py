@@ -205,7 +205,6 @@ class TrackedWorld:
         return missing
 
     def _close_trackers(self) -> None:
-        """Close the trackers."""
         for one in self._objects.values():
             one.tracker.close()
         self._objects.clear()

@@ -184,7 +184,6 @@ def _squares(node: ast.expr) -> bool:
 
 
 def _sides(parts: tuple[EndPart, ...]) -> str:
-    """Return the program of the comparisons' sides."""
     terms = [
         f"'{side} {k}': 1.0 * ({text})"
         for k, part in enumerate(parts)

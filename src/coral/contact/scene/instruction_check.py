@@ -70,7 +70,6 @@ def _names(task: Task) -> Iterator[str]:
 
 
 def _numbers(value: Any) -> Iterator[float]:
-    """Yield all numbers of the conditions."""
     if isinstance(value, dict):
         for one in value.values():
             yield from _numbers(one)

@@ -29,7 +29,6 @@ def load_task_file(name_or_path: str | Path) -> Task:
 
 
 def _resolve_mesh_paths(task: Task, folder: Path) -> Task:
-    """Make the paths of meshes absolute."""
 
     def placed(part: Shape) -> Shape:
         return part if part.file is None else part.model_copy(update={"file": str((folder / part.file).resolve())})

@@ -137,7 +137,6 @@ def _clouds(shape: tuple[int, int], cells: int, rng: np.random.Generator, octave
 
 
 def _earth(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return a tint of shell, silt or sand."""
     return np.array([1.0, rng.uniform(0.82, 1.05), rng.uniform(0.55, 1.05)])
 
 

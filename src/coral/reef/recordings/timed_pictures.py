@@ -103,7 +103,6 @@ def spread_pictures(source: Path, most: int) -> Iterator[tuple[str, Image]]:
 
 
 def _listed(rows: list[Row], source: Path, whose: str, is_universal: bool) -> TimedPictures:
-    """Return pictures that are files."""
     span = rows[0][1]["t"], rows[-1][1]["t"]
 
     def between(begin: float, end: float, period_s: float) -> list[Row]:

@@ -137,7 +137,6 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
 
 
 def _append(found: _Dataset, number: int, frames: Frames, cfg: LerobotCfg) -> None:
-    """Append the frames of one episode."""
     found.robots.add(frames.robot)
     if frames.task not in found.tasks:
         found.tasks.append(frames.task)
