@@ -21,8 +21,9 @@ from coral.contact.scene.observation import BodyState, HandTarget, Observation, 
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError, simulation_of
+from coral.contact.worlds.evaluation_world import EvaluationWorld, simulation_of
 from coral.contact.worlds.registry import check_world, make_world
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 from coral.view.contact.replay import overview, scene_camera
 

@@ -15,7 +15,7 @@ from coral.contact.episode.episode import Episode
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.prior_beliefs import prior_beliefs
 from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
-from coral.contact.worlds.evaluation_world import WorldError
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 
 

@@ -14,8 +14,8 @@ from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 
 SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))

@@ -16,8 +16,8 @@ from coral.contact.policy.client import PolicyError
 from coral.contact.policy.policy_episode import PolicyEpisode
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 
 CFG = EpisodeCfg(policy=PolicyCfg(eyes=PolicyCamerasCfg(pixels=16)))

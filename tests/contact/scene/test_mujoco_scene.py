@@ -12,8 +12,8 @@ from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import PhysicalParameters, with_beliefs
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld
+from coral.contact.worlds.robot_world import WorldError
 
 
 def scene(trial):

@@ -14,7 +14,7 @@ from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import correction
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import CorrectionSchedule, TouchHistory, correct_beliefs
+from coral.contact.thinker.correction import CorrectionSchedule, correct_beliefs
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.identification import Fit
 from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
@@ -73,7 +73,8 @@ def correct(scene, monkeypatch):
             Asker(advisor),
             "box",
             one.now,
-            TouchHistory(steps, []),
+            steps,
+            [],
             one.trial,
             one.world,
             one.facts,

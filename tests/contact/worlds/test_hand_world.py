@@ -7,8 +7,8 @@ import pytest
 from episodes import make_trial
 
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld
+from coral.contact.worlds.robot_world import WorldError
 
 
 @pytest.fixture

@@ -41,9 +41,9 @@ from coral.contact.thinker.asker import EpisodeOver
 from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
 from coral.contact.thinker.think_cfg import decision_budget
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
+from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.contact.worlds.registry import make_world
-from coral.contact.worlds.robot_world import RobotWorld, in_real_time
+from coral.contact.worlds.robot_world import RobotWorld, WorldError, in_real_time
 from coral.errors import InputError, RunError
 from coral.run_files import RunFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of

@@ -49,7 +49,8 @@ class ObjectPoses:
             raise InputError("--cfg", "franka.poses_port", f"{host}:{port} ({error.strerror})", "a free port") from None
         self.port: int = self._socket.getsockname()[1]
         self.malformed = 0
-        self._poses: dict[str, BodyState] = {}
+        self.poses: dict[str, BodyState] = {}
+        """The newest pose of every object that was ever seen."""
         self._held: dict[str, BodyState] = {}
         self._seen: dict[str, float] = {}
 
@@ -57,7 +58,7 @@ class ObjectPoses:
         """Take in all datagrams that have arrived; never waits. The tool, in the world, carries what is held."""
         self._receive(now_s)
         if tool is not None:
-            self._poses |= {name: _carried(pose, tool) for name, pose in self._held.items()}
+            self.poses |= {name: _carried(pose, tool) for name, pose in self._held.items()}
 
     def _receive(self, now_s: float) -> None:
         waiting: deque[bytes] = deque(maxlen=PARSED)
@@ -83,7 +84,7 @@ class ObjectPoses:
                     self._take(name, pose, now_s)
 
     def _take(self, name: str, pose: BodyState, now: float) -> None:
-        before = self._poses.get(name)
+        before = self.poses.get(name)
         if before is not None:
             passed = now - self._seen[name]
             if passed < 1e-3:  # two datagrams were waiting: their distance in time is unknown
@@ -94,12 +95,7 @@ class ObjectPoses:
                 velocity = before.velocity + share * ((pose.position - before.position) / passed - before.velocity)
                 spin = before.angular_velocity + share * (turned / passed - before.angular_velocity)
                 pose = BodyState(pose.position, pose.quaternion, velocity, spin)
-        self._poses[name], self._seen[name] = pose, now
-
-    @property
-    def poses(self) -> Mapping[str, BodyState]:
-        """Return the newest pose of every object that was ever seen."""
-        return self._poses
+        self.poses[name], self._seen[name] = pose, now
 
     def age_s(self, name: str, now_s: float) -> float:
         """Return the time since an object's newest pose; infinity if it was never seen."""

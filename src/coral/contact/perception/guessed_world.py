@@ -9,11 +9,11 @@ from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.symmetry import PoseDifference, compare_poses
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WrappedWorld
 from coral.errors import InputError
 
 
-class GuessedWorld:
+class GuessedWorld(WrappedWorld):
     """Wraps a world with a simulation, for the picture, and leaves out the tracker (paper, Table 1, last row).
 
     The trial's shapes and symmetries are used to compare with the truth.
@@ -23,18 +23,12 @@ class GuessedWorld:
     """
 
     def __init__(self, world: EvaluationWorld, trial: Trial) -> None:
-        self._world = world
-        self.name, self.control_period_s = world.name, world.control_period_s
+        super().__init__(world)
         if world.simulation is None:
             raise InputError("--variant", "", "poses guessed from a picture", "a world of which pictures can be made")
         model = world.simulation.model
         self._shapes = {name: from_trial(model, trial, name) for name in trial.objects}
         self._guessed: dict[str, BodyState] = {}
-
-    @property
-    def simulation(self) -> Simulation | None:
-        """See `EvaluationWorld.simulation`."""
-        return self._world.simulation
 
     def reset(self) -> Observation:
         """See `RobotWorld.reset`; the observation has no objects until `settle`."""
@@ -49,18 +43,6 @@ class GuessedWorld:
     def step(self, target: HandTarget) -> Observation:
         """See `RobotWorld.step`."""
         return self._with_guesses(self._world.step(target))
-
-    def truth(self) -> Truth:
-        """See `EvaluationWorld.truth`."""
-        return self._world.truth()
-
-    def stop(self) -> None:
-        """See `RobotWorld.stop`."""
-        self._world.stop()
-
-    def close(self) -> None:
-        """See `RobotWorld.close`."""
-        self._world.close()
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
         """Compute the errors of the estimated poses; for the record only."""

@@ -20,11 +20,12 @@ from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_a
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, matrix_to_body, pose_matrix
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, WorldError
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WrappedWorld
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 
 
-class TrackedWorld:
+class TrackedWorld(WrappedWorld):
     """Wraps a world with a simulation: object poses come from a tracker, the robot's own measurements stay unchanged.
 
     Of the trial, prior knowledge is used: shapes, symmetries and the task's ranges.
@@ -34,11 +35,9 @@ class TrackedWorld:
         TrackerFailed: The tracker's server does not answer.
     """
 
-    poses = "tracked"
-
     def __init__(self, world: EvaluationWorld, trial: Trial, cfg: TrackedCfg, rng: np.random.Generator) -> None:
-        self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
-        self.name, self.control_period_s = world.name, world.control_period_s
+        super().__init__(world)
+        self._trial, self.cfg, self._rng = trial, cfg, rng
         if world.simulation is None:
             raise InputError("--poses", "", "'tracked'", "ground-truth, in a world of which no pictures can be made")
         model, self._data = world.simulation.model, world.simulation.data
@@ -56,11 +55,6 @@ class TrackedWorld:
         self._objects: dict[str, TrackedObject] = {}
         self._unseen: set[str] = set()
         self._news: list[dict[str, Any]] = []
-
-    @property
-    def simulation(self) -> Simulation | None:
-        """See `EvaluationWorld.simulation`."""
-        return self._world.simulation
 
     def reset(self) -> Observation:
         """See `RobotWorld.reset`; the hand waits until every object is found, at most `search_s`.
@@ -129,18 +123,10 @@ class TrackedWorld:
                     self._deliver(now.time_s)
         return self._with_estimates(now)
 
-    def truth(self) -> Truth:
-        """See `EvaluationWorld.truth`."""
-        return self._world.truth()
-
-    def stop(self) -> None:
-        """See `RobotWorld.stop`."""
-        self._world.stop()
-
     def close(self) -> None:
         """See `RobotWorld.close`."""
         self._close_trackers()
-        self._world.close()
+        super().close()
 
     def news(self) -> list[dict[str, Any]]:
         """Return the objects lost and found since the last call, as fields of events."""

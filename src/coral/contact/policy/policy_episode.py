@@ -24,8 +24,8 @@ from coral.contact.policy.cameras import PolicyCameras
 from coral.contact.policy.client import PolicyClient, PolicyError, printable
 from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
+from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
 from coral.interrupts import interruptible
 from coral.run_files import RunFiles, TaskFiles

@@ -33,12 +33,8 @@ class ObjectTracking:
         self._hand = HandMask()
         self._objects = {name: TrackedObject(make(name)) for name in models}
         self._poses: dict[str, Array] = {}
-        self._in_hand: dict[str, Array] = {}
-
-    @property
-    def in_hand(self) -> Mapping[str, Array]:
-        """Return T_tool_object, Shape=(4, 4), of each object that the fingers hold; it is known unseen, too."""
-        return self._in_hand
+        self.in_hand: dict[str, Array] = {}
+        """T_tool_object, Shape=(4, 4), of each object that the fingers hold; it is known unseen, too."""
 
     def update(self, frame: RgbdFrame, hand: HandReading | None = None) -> dict[str, PoseEstimate]:
         """Estimate the poses of all objects in the next picture; the hand covers objects, and carries what it holds.
@@ -76,9 +72,9 @@ class ObjectTracking:
         shape = self.models[name]
         one.hold(is_grasped(shape, inside, hand.opening_m, hand.wanted_m, one.held), tool, time_s)
         if one.held:
-            self._in_hand[name] = one.known.predict(time_s)
+            self.in_hand[name] = one.known.predict(time_s)
         else:
-            self._in_hand.pop(name, None)
+            self.in_hand.pop(name, None)
 
     def close(self) -> None:
         """Release the trackers."""

@@ -28,21 +28,12 @@ SUNK_M = 0.002
 """Windows in which an object begins deeper in the table than this are not replayed."""
 
 
-@dataclass(frozen=True)
-class TouchHistory:
-    """The part of an episode's history that is informative about masses and frictions."""
-
-    steps: Sequence[Transition]
-    """All control steps: those taken while stuck say little about a push that went wrong earlier."""
-    recent: Sequence[Mapping[str, Any]]
-    """The last rows, as prompts show them."""
-
-
 def correct_beliefs(
     asker: Asker,
     name: str,
     now: Observation,
-    past: TouchHistory,
+    steps: Sequence[Transition],
+    rows: Sequence[Mapping[str, Any]],
     trial: Trial,
     world: PlanningWorld,
     facts: SceneFacts,
@@ -52,10 +43,11 @@ def correct_beliefs(
 ) -> bool:
     """Correct the believed mass and friction of an object, if there is enough to replay; an advisor may keep them.
 
-    Returns whether they were corrected.
+    `steps` are all of the episode: those taken while stuck say little about a push that went wrong earlier. `rows` are
+    the last ones, as prompts show them. Returns whether they were corrected.
     """
     # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
-    stretches = windows(past.steps, name, usable=lambda start: trial.lowest_point(name, start.objects[name]) > -SUNK_M)
+    stretches = windows(steps, name, usable=lambda start: trial.lowest_point(name, start.objects[name]) > -SUNK_M)
     if len(stretches) < 2:
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
@@ -65,7 +57,7 @@ def correct_beliefs(
     finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=finer_s))
     try:
         replay = HistoryReplay(finer, stretches)
-        found = balances(past.steps, name, trial) if cfg.identify.by == "balance" else None
+        found = balances(steps, name, trial) if cfg.identify.by == "balance" else None
         if found is None or len(found) < LEAST:
             fit = fit_by_replay(replay, name, believed, rng)
         else:
@@ -99,7 +91,7 @@ def correct_beliefs(
             "parameters": told,
             "object": name,
             "replayed": compare_motions(replay, name, believed),
-            "history": past.recent,
+            "history": rows,
         }
         outcome = asker.ask("parameter-repair", ParametersAnswer, asked, prompt, wrong)
     finally:

@@ -24,7 +24,7 @@ from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import CorrectionSchedule, TouchHistory, correct_beliefs
+from coral.contact.thinker.correction import CorrectionSchedule, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.history_rows import recent
@@ -326,10 +326,10 @@ class Thinker:
 
     def _correct(self, name: str, now: Observation) -> bool:
         monitor, facts = self._monitor, self._questions.facts
-        past = TouchHistory(tuple(self._history), recent(monitor.steps, monitor.costs, name, notes=monitor.notes))
+        steps, rows = tuple(self._history), recent(monitor.steps, monitor.costs, name, notes=monitor.notes)
         before = self._questions.beliefs[name]
         corrected = correct_beliefs(
-            self.asker, name, now, past, self._trial, self._world, facts, self.cfg, self._rng, self._emit
+            self.asker, name, now, steps, rows, self._trial, self._world, facts, self.cfg, self._rng, self._emit
         )
         if corrected:
             after = self._questions.beliefs[name]

@@ -9,9 +9,7 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.observation import BodyState, Truth
-from coral.contact.worlds.robot_world import RobotWorld, WorldError
-
-__all__ = ["EvaluationWorld", "Simulation", "TruthfulWorld", "WorldError", "body_state", "simulation_of"]
+from coral.contact.worlds.robot_world import RobotWorld
 
 
 @dataclass(frozen=True)
@@ -42,6 +40,31 @@ class EvaluationWorld(TruthfulWorld, Protocol):
 
         It is for sensors and records only: a decision must not read it.
         """
+
+
+class WrappedWorld:
+    """A world around another one, of which it changes what is observed; all else is the other one's."""
+
+    def __init__(self, world: EvaluationWorld) -> None:
+        self._world = world
+        self.name, self.control_period_s = world.name, world.control_period_s
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """See `EvaluationWorld.simulation`."""
+        return self._world.simulation
+
+    def truth(self) -> Truth:
+        """See `EvaluationWorld.truth`."""
+        return self._world.truth()
+
+    def stop(self) -> None:
+        """See `RobotWorld.stop`."""
+        self._world.stop()
+
+    def close(self) -> None:
+        """See `RobotWorld.close`."""
+        self._world.close()
 
 
 def body_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:

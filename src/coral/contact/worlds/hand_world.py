@@ -16,9 +16,10 @@ from coral.contact.scene.geometry import rotate
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import Simulation, WorldError, body_state
+from coral.contact.worlds.evaluation_world import Simulation, body_state
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
+from coral.contact.worlds.robot_world import WorldError
 
 PHYSICS_DT_S = 0.002
 START_M = (-0.1, 0.0, 0.25)

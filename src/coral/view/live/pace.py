@@ -28,7 +28,8 @@ class Pace:
         self._wait = wait or self._changed.wait
         self._speed = speed
         self._paused = False
-        self._stop = ""
+        self.stop = ""
+        """Why the viewer ended the run, or ""."""
         self._anchor: tuple[float, float] | None = None
 
     @property
@@ -51,28 +52,23 @@ class Pace:
         self._speed = speed
         self._change()
 
-    @property
-    def stop(self) -> str:
-        """Return why the viewer ended the run, or ""."""
-        return self._stop
-
     def end(self, reason: str = STOPPED) -> None:
         """Ask the run to end."""
-        self._stop = self._stop or reason
+        self.stop = self.stop or reason
         self._change()
 
     def stand_still(self) -> bool:
         """Wait until the run may continue; return whether it had to wait."""
-        if not self._paused or self._stop:
+        if not self._paused or self.stop:
             return False
-        while self._paused and not self._stop:
+        while self._paused and not self.stop:
             self._rest(0.1)
         self._anchor = None
         return True
 
     def keep(self, t: float) -> None:
         """Wait until simulated time `t` (s) is due under the speed limit; a late run does not catch up."""
-        while self._speed and not self._paused and not self._stop:
+        while self._speed and not self._paused and not self.stop:
             now = self._clock()
             if self._anchor is None:
                 self._anchor = now, t

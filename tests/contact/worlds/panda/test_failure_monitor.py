@@ -2,7 +2,7 @@
 
 import pytest
 
-from coral.contact.worlds.evaluation_world import WorldError
+from coral.contact.worlds.robot_world import WorldError
 
 
 def fault_of(go, *arguments, **options):

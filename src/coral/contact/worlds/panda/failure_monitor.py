@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.observation import Array, HandTarget
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.panda.names import ROBOT_PARTS, part_of
+from coral.contact.worlds.robot_world import WorldError
 
 MAX_SPEED = 100.0
 """Limit on the speed of any joint or object, m/s or rad/s; beyond it the simulation has diverged."""

@@ -66,7 +66,6 @@ class Impedance:
         self._wanted = np.eye(3)
         self._quaternion, self._vector = np.zeros(4), np.zeros(3)
         self._target: HandTarget | None = None
-        self.effective_mass = np.zeros((3, 3))
 
     def aim(self, target: HandTarget) -> None:
         """Start a control period: compute the gains for this target at the present posture.
@@ -86,8 +85,6 @@ class Impedance:
             values, vectors = np.linalg.eigh(inverse[block, block])
             root = (vectors / np.sqrt(np.maximum(values, 1.0 / cfg.max_effective_mass))) @ vectors.T
             self._damping[block, block] = 2.0 * cfg.damping_ratio * np.sqrt(self._stiffness[block][0]) * root
-            if block.start == 0:
-                self.effective_mass = root @ root
         weight = np.linalg.inv(inverse + 1e-4 * np.eye(6))
         self._nullspace = np.eye(7) - jacobian.T @ weight @ mobility.T
 

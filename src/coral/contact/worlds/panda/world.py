@@ -103,11 +103,6 @@ class PandaWorld:
         """See `RobotWorld.close`."""
         self._env.close()
 
-    @property
-    def effective_mass(self) -> Array:
-        """Compute the effective mass of the hand at the present posture, Shape=(3, 3) kg."""
-        return self._impedance.effective_mass
-
     def _place_robot(self) -> None:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[self._arm] = self.robot.joints
