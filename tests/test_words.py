@@ -1,6 +1,6 @@
 import pytest
 
-from coral.words import many
+from coral.words import is_numeral, many
 
 
 @pytest.mark.parametrize(
@@ -15,3 +15,8 @@ from coral.words import many
 )
 def test_only_one_is_singular(said, expected):
     assert said == expected
+
+
+@pytest.mark.parametrize(("text", "expected"), [("10", True), ("-0.5e3", True), ("1 s", False), ("", False)])
+def test_a_numeral_is_what_python_reads_as_a_number(text, expected):
+    assert is_numeral(text) is expected

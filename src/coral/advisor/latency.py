@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.advisor.question import trait
 from coral.errors import InputError, nearest
+from coral.words import is_numeral
 
 LatencyKind = Literal["fixed", "lognormal", "measured", "recorded"]
 
@@ -52,11 +53,11 @@ def parse_latency(spec: str, where: str = "--cfg.latency") -> LatencyCfg:
     if kind in ("measured", "recorded") and not rest:
         return LatencyCfg(kind="measured" if kind == "measured" else "recorded")
     if not rest:
-        kind, rest = ("fixed", [kind]) if _is_number(kind) else (kind, rest)
+        kind, rest = ("fixed", [kind]) if is_numeral(kind) else (kind, rest)
     wanted = {"fixed": 1, "lognormal": 2}.get(kind)
     if wanted is None:
         raise InputError(where, "", repr(spec), FORMS + nearest(kind, ["fixed", "lognormal", "measured", "recorded"]))
-    if len(rest) != wanted or not all(_is_number(x) for x in rest):
+    if len(rest) != wanted or not all(is_numeral(x) for x in rest):
         raise InputError(where, "", repr(spec), FORMS)
     numbers = [float(x) for x in rest]
     if any(not math.isfinite(x) or x < 0 for x in numbers):
@@ -79,11 +80,3 @@ def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:
     """
     own = default_latency(advisor)
     return own if spec == "auto" or own.kind == "recorded" else parse_latency(spec)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -209,12 +209,9 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
-        try:
-            record = parse_json(line)
-        except ValueError:
-            record = None
-        if isinstance(record, dict):
-            records.append(encodable_values(record) if "\\ud" in line.lower() else record)
+        record = parse_record(line)
+        if record is not None:
+            records.append(record)
         else:
             cut = "was cut off while it was written" if number == len(lines) else "is not a JSON object"
             notes.append(f"{path.name}: line {number} {cut} and was left out.")
@@ -266,11 +263,19 @@ def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Reco
     text = _text(path, notes)
     if not text:
         return {}
+    document = parse_record(text, parse)
+    if document is None:
+        notes.append(f"{path.name} is incomplete and was left out.")
+        return {}
+    return document
+
+
+def parse_record(text: str, parse: Callable[[str], Any] = parse_json) -> Record | None:
+    """Return the mapping that a text is, with text that can be encoded; None if it is none."""
     try:
-        document = parse(text)
+        record = parse(text)
     except (ValueError, RecursionError):
-        document = None
-    if isinstance(document, dict):
-        return cast(Record, encodable_values(document) if "\\ud" in text.lower() else document)
-    notes.append(f"{path.name} is incomplete and was left out.")
-    return {}
+        return None
+    if not isinstance(record, dict):
+        return None
+    return cast(Record, encodable_values(record) if "\\ud" in text.lower() else record)

@@ -24,7 +24,7 @@ from coral.contact.control.planning_model import MOTION, Index, build_model, pai
 from coral.contact.control.quantities import constants, stage_constants, task_schema_of
 from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
 from coral.contact.control.warp_rollouts import WarpRollouts
-from coral.contact.cost.context import Context, Lazy, Quantity, Value
+from coral.contact.cost.context import Context, Lazy, Value
 from coral.contact.scene.geometry import multiply, rotate
 from coral.contact.scene.joint_motion import joint_speed
 from coral.contact.scene.mujoco_scene import contact_pairs
@@ -105,8 +105,12 @@ class PlanningWorld:
         self._rollouts: Rollouts | WarpRollouts = (
             Rollouts(cfg.threads) if cfg.rollouts == "mujoco" else WarpRollouts(cfg.device, cfg.threads)
         )
-        self._names = [item.name for item in trial.task.objects]
-        self._corners = {name: trial.corners(name) for name in self._names}
+        self.schema = task_schema_of(trial.task)
+        """The quantities that a cost can read here."""
+        self.object_names = tuple(item.name for item in trial.task.objects)
+        self.fixed_names = trial.task.things
+        """The table and the fixtures."""
+        self._corners = {name: trial.corners(name) for name in self.object_names}
         self.believe(beliefs)
         self._scratch = mujoco.MjData(self.models[0])
 
@@ -118,7 +122,7 @@ class PlanningWorld:
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
         self._fixed: dict[int, Mapping[str, Value]] = {}
-        self._index = Index(self.models[0], self._names)
+        self._index = Index(self.models[0], self.object_names)
         self._last: tuple[Observation, Array] | None = None
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
@@ -126,30 +130,15 @@ class PlanningWorld:
             build_model(with_beliefs(self._trial, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
             for one in self.beliefs
         ]
-        if self._rollouts.can_sleep and len(self._names) > 1 and self.cfg.rest_m_s > 0:
+        if self._rollouts.can_sleep and len(self.object_names) > 1 and self.cfg.rest_m_s > 0:
             for model in models:
                 model.opt.enableflags |= SLEEP
                 model.opt.sleep_tolerance = self.cfg.rest_m_s
         return models
 
-    @property
-    def object_names(self) -> tuple[str, ...]:
-        """Return the names of the objects."""
-        return tuple(self._names)
-
-    @property
-    def fixed_names(self) -> tuple[str, ...]:
-        """Return the names of the table and the fixtures."""
-        return self._trial.task.things
-
     def close(self) -> None:
         """Stop the rollout's threads."""
         self._rollouts.close()
-
-    @property
-    def schema(self) -> dict[str, Quantity]:
-        """Return the quantities that a cost can read here."""
-        return task_schema_of(self._trial.task)
 
     def rollout(
         self, now: Observation, controls: ControlSequences, step: int = 0, since: Observation | None = None
@@ -271,7 +260,7 @@ class PlanningWorld:
             "current_step": (step + np.arange(1.0, horizon + 1))[None],
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
-        for name in self._names:
+        for name in self.object_names:
             makers[f"{name}_seen"] = np.full((1, 1), float(name not in now.unseen))
             if name in index.pose:
                 pose, speed = index.pose[name].start, index.speed[name].start
@@ -287,7 +276,7 @@ class PlanningWorld:
             for point, local in self._trial.task.object(name).points.items():
                 offset = np.asarray(local) * self._trial.objects[name].scale
                 makers[f"{name}_{point}_pos"] = partial(placed, name, offset)
-        for name in (*self._names, *self._trial.task.things):
+        for name in (*self.object_names, *self.fixed_names):
             makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
             makers[f"{name}_palm_contact"] = partial(touches, pair("palm", name))
             makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)

@@ -126,12 +126,9 @@ class Memory:
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
         self.store = SqliteStore(Path(where))
+        self.where = self.store.name
+        """The location of the store, as a user writes it."""
         self.embedder = embedder or embedder_of((cfg or MemoryCfg()).embedder)
-
-    @property
-    def where(self) -> str:
-        """Return the location of the store, as a user writes it."""
-        return self.store.name
 
     def add(self, experience: Experience) -> int:
         """Store a success; return its id.

@@ -9,6 +9,7 @@ import numpy as np
 
 from coral.contact.plan.stage_end import TRUTH, UNKNOWN, EndPart, PartReading
 from coral.contact.thinker.plan_note import PlanNote
+from coral.words import is_numeral
 
 END_S = 2.0
 """Time at the end of the record in which a comparison holds or does not."""
@@ -53,7 +54,7 @@ class PartEvidence:
         if self.part.operator in ("holds", "fails"):
             return f"`{self.part.text}`, which does not hold"
         unit = "" if self.part.unit in (TRUTH, UNKNOWN) else f" {self.part.unit}".rstrip()
-        asked = "" if _is_number(self.part.right) else f" against {self.bound:.3g}{unit}"
+        asked = "" if is_numeral(self.part.right) else f" against {self.bound:.3g}{unit}"
         return f"`{self.part.text}`: {self.best:.3g}{unit} at best, {self.now:.3g}{unit} now{asked}"
 
 
@@ -144,14 +145,6 @@ def _others(met: int, count: int) -> str:
     if met == 0:
         return f"none {whole} holds"
     return f"the other {whole} holds" if met == 1 else f"the other {_number(met)} {whole} hold"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _number(count: int) -> str:

@@ -47,12 +47,7 @@ class WrappedWorld:
 
     def __init__(self, world: EvaluationWorld) -> None:
         self._world = world
-        self.name, self.control_period_s = world.name, world.control_period_s
-
-    @property
-    def simulation(self) -> Simulation | None:
-        """See `EvaluationWorld.simulation`."""
-        return self._world.simulation
+        self.name, self.control_period_s, self.simulation = world.name, world.control_period_s, world.simulation
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""

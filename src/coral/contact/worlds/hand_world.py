@@ -46,14 +46,10 @@ class HandWorld:
         add_hand_force_sensors(spec, "hand", trial)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
+        self.simulation = Simulation(self.model, self.data)
         self._substeps = whole_steps(period_s, PHYSICS_DT_S, "hand", "physics_dt_s")
         self._stiffness = 0.0
         self._forces = HandForces(self.model, self.data, trial)
-
-    @property
-    def simulation(self) -> Simulation:
-        """See `EvaluationWorld.simulation`."""
-        return Simulation(self.model, self.data)
 
     def reset(self) -> Observation:
         """See `RobotWorld.reset`."""

@@ -8,11 +8,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from coral.foreign_file import open_regular, parse_json
-from coral.odd_text import encodable_values
+from coral.foreign_file import open_regular
 from coral.run_files import RunFiles
 from coral.view.records import sound
-from coral.view.run import Record, numbers_of
+from coral.view.run import Record, numbers_of, parse_record
 
 ROWS = 20_000
 """Rows of a recorded run that a page gets at most: more than its curves have pixels."""
@@ -134,12 +133,7 @@ class _Table(Tail):
 
 def _event(line: str) -> Record | None:
     """Return an event that can be shown; None for a line that is none."""
-    try:
-        event = parse_json(line)
-    except ValueError:
+    event = parse_record(line)
+    if event is None or not isinstance(event.get("event"), str) or "t" not in event:
         return None
-    named = isinstance(event, dict) and isinstance(event.get("event"), str) and "t" in event
-    if not (named and sound(event)):
-        return None
-    known: Record = encodable_values(event) if "\\ud" in line.lower() else event
-    return known
+    return event if sound(event) else None

@@ -50,6 +50,7 @@ class PandaWorld:
         )
         self.model: mujoco.MjModel = self._env.sim.model._model
         self.data: mujoco.MjData = self._env.sim.data._data
+        self.simulation = Simulation(self.model, self.data)
         model = self.model
         self._site = model.site(SITE).id
         self._arm = np.array([model.joint(name).qposadr[0] for name in JOINTS])
@@ -61,11 +62,6 @@ class PandaWorld:
         self._forces = HandForces(model, self.data, trial)
         self._watch = FailureMonitor(model)
         self._start = self._settle()
-
-    @property
-    def simulation(self) -> Simulation:
-        """See `EvaluationWorld.simulation`."""
-        return Simulation(self.model, self.data)
 
     def reset(self) -> Observation:
         """See `RobotWorld.reset`."""
