@@ -33,6 +33,12 @@ def ros_type(name: str, flag: str = "--vehicle") -> Any:
         raise InputError(flag, "", f"no {module.partition('.')[0]} ({first_line(error)})", wanted) from None
 
 
+def beside(topic: str, name: str) -> str:
+    """Return the name of a topic in the same place as another one."""
+    head, slash, _ = topic.rpartition("/")
+    return f"{head}{slash}{name}"
+
+
 class RosNode:
     """A node with a thread that runs its callbacks.
 

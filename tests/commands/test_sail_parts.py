@@ -77,6 +77,28 @@ def test_a_wrong_name_is_one_line_with_its_flag(flags, where):
     assert error.value.where == where
 
 
+@pytest.mark.parametrize(
+    ("vehicle", "place"), [("ros2:sim.yaml", "sim.yaml"), ("ros2:/rov", "/rov"), ("ros2", ""), ("simulated", "")]
+)
+def test_camera_and_sonar_of_ros_get_the_vehicles_parameters(monkeypatch, vehicle, place):
+    given = {}
+
+    def part(group, name, flag):
+        def make(*told):
+            given[name] = told[-1]
+            return SimpleNamespace(read=lambda: None, close=lambda: None, name=name, labelled=False)
+
+        return make
+
+    link = SimpleNamespace(close=lambda: None)
+    monkeypatch.setattr(sail_parts, "has_plugin", lambda group, name: True)
+    monkeypatch.setattr(sail_parts, "named_plugin", lambda group, name, flag: lambda place: link)
+    real = sail_parts.our_part
+    monkeypatch.setattr(sail_parts, "our_part", lambda *told: part(*told) if told[0] == "ros2" else real(*told))
+    with opened(ReefSail(area="s1", vehicle=vehicle, camera="ros2:/image", sonar="ros2:/ranges")):
+        assert given == {"camera": place, "sonar": place}
+
+
 def test_the_configured_network_looks_at_the_cameras_pictures():
     area, world, depth = read_area("s1")
     with open_parts(ReefSail(area="s1"), area, world, MissionCfg(perception="painted"), depth) as parts:

@@ -176,7 +176,9 @@ def open_parts(
             if flags.camera.startswith("ros2:"):
                 lens = None if flags.lens else cfg.simulator.camera
                 topic = flags.camera.removeprefix("ros2:")
-                source = our_part("ros2", "camera", "--camera")(topic, flags.camera_latency, fit, lens)
+                source = our_part("ros2", "camera", "--camera")(
+                    topic, flags.camera_latency, fit, lens, _ros_place(flags)
+                )
             else:
                 source = VideoCamera(flags.camera, flags.camera_latency, fit)
             parts.reef = None
@@ -252,6 +254,12 @@ def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened
     )
 
 
+def _ros_place(flags: SailFlags) -> str:
+    """Return the namespace or the file of ROS parameters of the vehicle; "" for one that is not of ROS 2."""
+    kind, _, place = flags.vehicle.partition(":")
+    return place if kind == "ros2" else ""
+
+
 def await_simulation(feed: Any, timeout_s: float = 10.0) -> None:
     """Wait for the state of a simulation: only a simulation tells one.
 
@@ -278,7 +286,9 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
         )
         return simulated
     if kind == "ros2":
-        ranges: SensorSource[HeardImage] = our_part("ros2", "sonar", "--sonar")(place, cfg.simulator.sonar)
+        ranges: SensorSource[HeardImage] = our_part("ros2", "sonar", "--sonar")(
+            place, cfg.simulator.sonar, _ros_place(flags)
+        )
         return ranges
     interface, _, port = place.rpartition(":")
     if kind != "udp" or (port and not (port.isdigit() and int(port) < 65536)):

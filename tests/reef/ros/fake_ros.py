@@ -30,6 +30,9 @@ class FakeNode:
     def qos(self, kind):
         return kind
 
+    def resolve_topic_name(self, topic):
+        return topic
+
     def monotonic(self, stamp):
         if isinstance(stamp, Exception):
             raise stamp

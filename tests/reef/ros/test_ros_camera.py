@@ -32,7 +32,7 @@ def picture(value=7, stamp=5.0):
 
 
 def camera(node, lens=None):
-    return ros_camera.RosCamera("/front/image_raw", 0.1, lambda rgb: rgb, lens, node)
+    return ros_camera.RosCamera("/front/image_raw", 0.1, lambda rgb: rgb, lens, node=node)
 
 
 def test_the_newest_picture_is_kept(capsys):

@@ -46,7 +46,7 @@ def cloud(*points, frame="base_link"):
 
 def sonar(kind="sensor_msgs/msg/PointCloud2", cfg=LEVEL):
     node = Publishing(kind)
-    return ros_sonar.RosSonar("/ranges", cfg, node), node
+    return ros_sonar.RosSonar("/ranges", cfg, node=node), node
 
 
 def mounted(parent, child, at=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0, 1.0)):
@@ -139,5 +139,5 @@ def test_a_topic_without_ranges_is_one_line(kinds, told):
     node = Publishing("")
     node.kinds = kinds
     with pytest.raises(InputError, match=told):
-        ros_sonar.RosSonar("/ranges", LEVEL, node)
+        ros_sonar.RosSonar("/ranges", LEVEL, node=node)
     assert node.closed

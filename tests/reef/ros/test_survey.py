@@ -71,8 +71,8 @@ def spin(node, until, timeout_s):
         rclpy.spin_once(node, timeout_sec=0.1)
 
 
-def sail(*words):
-    return [sys.executable, *SAIL, "--vehicle", "ros2:/rov", *words]
+def sail(*words, place="/rov"):
+    return [sys.executable, *SAIL, "--vehicle", f"ros2:{place}", *words]
 
 
 @contextmanager
@@ -145,8 +145,8 @@ def test_a_survey_recorded_as_mcap_is_mapped_again(tmp_path):
     assert again["oyster_area_m2"] == pytest.approx(own["oyster_area_m2"], rel=0.2)
 
 
-def checked():
-    return subprocess.run(sail("--check"), capture_output=True, text=True, timeout=300.0)
+def checked(*words, place="/rov"):
+    return subprocess.run(sail("--check", *words, place=place), capture_output=True, text=True, timeout=300.0)
 
 
 def test_nothing_arms_where_two_vehicles_tell_where_they_are():
@@ -161,3 +161,12 @@ def test_nothing_arms_on_stamps_of_another_clock():
         told = checked()
     assert told.returncode == 1
     assert "synchronise clocks" in told.stderr
+
+
+def test_a_simulators_clock_holds_for_vehicle_camera_and_sonar(tmp_path):
+    names = "".join(f"    {name}: /rov/{name}\n" for name in ("odom", "cmd_vel", "battery", "arm"))
+    file = tmp_path / "vehicle.yaml"
+    file.write_text(f"/**:\n  ros__parameters:\n    use_sim_time: true\n{names}")
+    with vehicle("--stamps-off", "3600", "--clock"):
+        told = checked("--sonar", "ros2:/rov/ranges", place=file)
+    assert told.returncode == 0, told.stderr

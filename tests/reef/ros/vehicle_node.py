@@ -1,6 +1,7 @@
 """A vehicle in a process of its own: our dynamics and painted pictures behind topics, and nothing of the truth.
 
-Usage: python vehicle_node.py WORLD NAMESPACE [--stamps-off S]. SIGTERM: it tells what it has truly seen and touched.
+Usage: python vehicle_node.py WORLD NAMESPACE [--stamps-off S [--clock]]. SIGTERM: it tells what it has truly seen and
+touched. Its stamps are behind ours by S seconds; --clock publishes the clock that they are of.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rclpy.signals import SignalHandlerOptions
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointField
 
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
@@ -39,6 +41,7 @@ def main():
     flags.add_argument("world")
     flags.add_argument("namespace")
     flags.add_argument("--stamps-off", type=float, default=0.0)
+    flags.add_argument("--clock", action="store_true")
     told = flags.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     ended = threading.Event()
@@ -108,6 +111,9 @@ def main():
     node.create_timer(0.2, listen)
     node.create_timer(0.05, navigate)
     node.create_timer(0.1, photograph)
+    if told.clock:
+        clock = node.create_publisher(Clock, "/clock", 1)
+        node.create_timer(0.02, lambda: clock.publish(Clock(clock=stamp())))
     print("ready", flush=True)
     while not ended.is_set():
         rclpy.spin_once(node, timeout_sec=0.2)

@@ -14,7 +14,7 @@ from coral.errors import InputError
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros_node import RosNode, ros_type
+from coral.ros_node import RosNode, beside, ros_type
 
 FIRST_S, NEXT_S = 10.0, 1.0
 """Longest wait for the first picture, and for any other at a time."""
@@ -27,7 +27,7 @@ class RosCamera:
 
     `latency_s` is the time from the light to the message's stamp, as calibrated. `fit` makes a picture one of the
     camera that the robot reckons with, or raises ValueError; `camera` is None if `fit` knows the lens from a camera
-    file.
+    file. `place` is the vehicle's namespace, or the file of ROS parameters that says whose clock holds.
 
     Raises:
         InputError: There is no ROS 2, no picture comes, or one of another camera.
@@ -41,16 +41,17 @@ class RosCamera:
         latency_s: float,
         fit: Callable[[NDArray[np.uint8]], NDArray[np.uint8]],
         camera: CameraCfg | None,
+        place: str = "",
         node: RosNode | None = None,
     ) -> None:
         self.name = f"ros2:{topic}"
         self._latency_s, self._fit, self._camera = latency_s, fit, camera
         self._lens_fault = ""
-        self._ros = ros = node or RosNode("coral_camera", "", "--camera")
+        self._ros = ros = node or RosNode("coral_camera", place, "--camera")
         self._newest = Newest(ros)
         kind = "CompressedImage" if topic.endswith("/compressed") else "Image"
         ros.node.create_subscription(ros_type(f"sensor_msgs.msg.{kind}"), topic, self._newest.hear, ros.qos("sensor"))
-        info = f"{topic.removesuffix('/compressed').rpartition('/')[0]}/camera_info"
+        info = beside(topic.removesuffix("/compressed"), "camera_info")
         ros.node.create_subscription(ros_type("sensor_msgs.msg.CameraInfo"), info, self._hear_lens, ros.qos("sensor"))
         first = self._newest.take(FIRST_S)
         if first is None:

@@ -24,7 +24,7 @@ from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.recordings.transforms import transform_from
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.latest_reading import HeardImage
-from coral.ros_node import RosNode, ros_type
+from coral.ros_node import RosNode, beside, ros_type
 
 FIRST_S, NEXT_S = 10.0, 0.2
 """Longest wait for somebody who publishes the topic, and for any message."""
@@ -38,22 +38,24 @@ CLOUD, PICTURES = "sensor_msgs.msg.PointCloud2", ("sensor_msgs.msg.Image", "sens
 class RosSonar:
     """Keeps the newest ranges of a topic, as images with the beams and the tilt of a sonar.
 
+    `place` is the vehicle's namespace, or the file of ROS parameters that says whose clock holds.
+
     Raises:
         InputError: There is no ROS 2, or nobody publishes ranges there.
     """
 
-    def __init__(self, topic: str, sonar: SonarCfg, node: RosNode | None = None) -> None:
+    def __init__(self, topic: str, sonar: SonarCfg, place: str = "", node: RosNode | None = None) -> None:
         self._topic, self._sonar = topic, sonar
         self._tree, self._k, self._without_tree = FrameTree(), (0.0, 0.0, 0.0, 0.0), ""
         self._widest = np.zeros(2)
         self._turned = sonar_attitude(0.0, 0.0, 0.0, sonar.pitch_down_deg)
-        self._ros = ros = node or RosNode("coral_sonar", "", "--sonar")
+        self._ros = ros = node or RosNode("coral_sonar", place, "--sonar")
         self._newest = Newest(ros)
         kind = self._kind()
         self.name = f"ros2:{topic} ({kind.rpartition('.')[2]})"
         create, sensor = ros.node.create_subscription, ros.qos("sensor")
         if kind != CLOUD:
-            info = f"{topic.removesuffix('/compressedDepth').rpartition('/')[0]}/camera_info"
+            info = beside(topic.removesuffix("/compressedDepth"), "camera_info")
             create(ros_type("sensor_msgs.msg.CameraInfo", "--sonar"), info, self._hear_lens, sensor)
         try:
             tf = ros_type("tf2_msgs.msg.TFMessage", "--sonar")
@@ -108,9 +110,9 @@ class RosSonar:
 
     def _kind(self) -> str:
         """Wait for the type of the topic."""
-        end = time.monotonic() + FIRST_S
+        end, whole = time.monotonic() + FIRST_S, self._ros.node.resolve_topic_name(self._topic)
         while True:
-            kinds = dict(self._ros.node.get_topic_names_and_types()).get(self._topic, [])
+            kinds = dict(self._ros.node.get_topic_names_and_types()).get(whole, [])
             found = [name.replace("/", ".") for name in kinds]
             if found or time.monotonic() > end:
                 break
