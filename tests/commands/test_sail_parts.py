@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 
 from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
-from coral.commands.sail_parts import open_parts, read_area, watch_sensors
+from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors
 from coral.errors import InputError
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -104,6 +105,12 @@ def test_the_configured_network_looks_at_the_cameras_pictures():
     with open_parts(ReefSail(area="s1"), area, world, MissionCfg(perception="painted"), depth) as parts:
         assert isinstance(parts.camera.eyes, ReefNetEyes)
         assert parts.camera.source.read().frame.rgb is not None  # painted, for there is no other way to see
+
+
+@pytest.mark.parametrize("eyes", ["exact", "rgb"])
+def test_what_finds_oysters_in_real_pictures_is_warmed_up_as_well(eyes, monkeypatch):
+    monkeypatch.setattr(sail_parts, "WARM_UP_S", 0.3)
+    warm_up(replace(MissionCfg(), perception=eyes))
 
 
 def test_a_survey_without_a_reef_has_nothing_to_simulate(survey):

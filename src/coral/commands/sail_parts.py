@@ -17,7 +17,7 @@ from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.eyes.backends import open_eyes
+from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -323,7 +323,8 @@ def watch_sensors(
 def warm_up(cfg: MissionCfg) -> None:
     """Run a few simulated seconds, so that nothing has to be compiled or imported under way."""
     record = RecordCfg(pictures=cfg.record.pictures, frames=cfg.record.frames, report=False)
-    brief = dataclasses.replace(cfg, time_limit_s=WARM_UP_S, latency="fixed:0.5", record=record)
+    eyes = PAINTED if cfg.perception == RGB else cfg.perception  # what is simulated is painted
+    brief = dataclasses.replace(cfg, time_limit_s=WARM_UP_S, latency="fixed:0.5", record=record, perception=eyes)
     with tempfile.TemporaryDirectory() as folder:
         rules = RuleAdvisor(REEF_RULES)
         Mission(load_world("s1"), brief, rules, Path(folder) / "warm-up", draw=question_pictures).run()

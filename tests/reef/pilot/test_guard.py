@@ -132,6 +132,16 @@ def test_a_camera_that_hangs_is_refused():
     assert found == [[], [], [("camera", "frozen")], [("camera", "frozen")]]
 
 
+def test_colours_that_hang_are_refused_whatever_eyes_make_of_them():
+    watch, rgb = guard(), np.random.default_rng(0).integers(0, 255, (CAMERA.height, CAMERA.width, 3), np.uint8)
+    found = []
+    for k in range(4):
+        seen = dataclasses.replace(picture(depth=5.0 + 0.01 * k), rgb=rgb)  # its depth follows from the attitude
+        moving = Stamped(k / 10, (0.3, 0.0, 0.0))
+        found.append(refusals(watch.check(good(k / 10, velocity=moving, frame=Stamped(k / 10, seen)))))
+    assert found == [[], [], [("camera", "frozen")], [("camera", "frozen")]]
+
+
 @pytest.mark.parametrize("by", [-30.0, 30.0])
 def test_a_clock_that_was_set_costs_one_tick(by):
     watch = guard()

@@ -45,20 +45,20 @@ FINE = VehicleReport(
 class Source:
     name = "simulated, 160x120"
 
-    def __init__(self, labelled=True):
-        self.labelled = labelled
+    def __init__(self, labelled=True, rgb=None):
+        self.labelled, self.rgb = labelled, rgb
 
     def read(self):
-        return Shot(stamp_s=NOW)
+        return Shot(stamp_s=NOW, rgb=self.rgb)
 
     def close(self): ...
 
 
-def listed(report=FINE, labelled=True, shots=1, sonar=None, gear=GEAR, safety=None):
+def listed(report=FINE, labelled=True, rgb=None, shots=1, sonar=None, gear=GEAR, safety=None):
     rates = StampRates()
     for k in range(21):
         rates.note(NOW - 2.0 + 0.125 * k, replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
-    camera = LatestShot(Source(labelled), threaded=False)
+    camera = LatestShot(Source(labelled, rgb), threaded=False)
     for _ in range(shots):
         camera.step()
     lines = preflight_list(
@@ -130,6 +130,12 @@ def test_a_real_camera_without_eyes_arms_nothing_and_says_what_helps():
     by_name, lines = listed(labelled=False)
     assert [line.subject for line in blocking(lines)] == ["labels"]
     assert "add --perception rgb or FILE.onnx" in by_name["labels"].text
+
+
+def test_a_black_picture_arms_nothing():
+    by_name, lines = listed(rgb=np.zeros((6, 8, 3), np.uint8))
+    assert blocking(lines) == [by_name["camera"]]
+    assert "black (hardly a pixel is brighter than 0 of 255) - is the lens covered" in by_name["camera"].text
 
 
 def test_a_rate_that_is_not_known_is_no_slow_one():

@@ -17,6 +17,12 @@ from coral.reef.world.geometry import Frame, Label, Pose, wrap
 
 T = TypeVar("T")
 
+BLACK, PLAIN = 12, 3
+"""Of 255 levels. A picture is black if 98 % of its pixels are darker than the first, and plain if they differ by no
+more than the second: compressed pictures of open water differ by more."""
+REMEMBERED = 3000
+"""Measurements against which a new one is compared: five minutes at 10 Hz."""
+
 SURFACE_M = 0.5
 """A depth sensor may put a vehicle at the surface so far above it: waves, and its own offset."""
 
@@ -99,7 +105,7 @@ def check_attitude(roll: float, pitch: float, depth_m: float, tilt_rad: float) -
 
 
 def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
-    """Return a picture after checking its shape, type and values, and that a share of its pixels has a return."""
+    """Return a picture after checking shape, type, values and colours, and that a share of its pixels has a return."""
     if not isinstance(frame, Frame):
         raise UnfitMeasurement("wrong type", f"{type(frame).__name__}, not a Frame")
     shape = (camera.height, camera.width)
@@ -115,6 +121,8 @@ def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
         raise UnfitMeasurement("unknown label", f"{highest}, where {int(max(Label))} is the last")
     if (frame.depth <= 0.0).any():
         raise UnfitMeasurement("not positive", "a depth of 0 m or less; what has no return is inf")
+    if frame.rgb is not None:
+        check_colours(frame.rgb)
     seen = np.count_nonzero(np.isfinite(frame.depth)) / frame.depth.size
     if seen < least_seen:
         raise UnfitMeasurement("blind", f"{seen:.1%} of the pixels have a return")
@@ -145,19 +153,29 @@ def check_range_image(image: object, sonar: SonarCfg, least_heard: float) -> Ran
     return image
 
 
-def has_landmarks(labels: NDArray[np.uint8]) -> bool:
-    """Check whether a picture shows something that must look different after a move; bare seabed need not."""
-    return bool(((labels == Label.OYSTER) | (labels == Label.OBSTACLE)).any())
+def check_colours(rgb: NDArray[np.uint8]) -> None:
+    """Check that a picture, Shape=(H, W, 3), shows something; a text in it does not count, nor do a few bright dots."""
+    low, high = np.percentile(rgb[::4, ::4].reshape(-1, 3), (2.0, 98.0), axis=0)
+    if high.max() < BLACK:
+        raise UnfitMeasurement("black", f"hardly a pixel is brighter than {high.max():.0f} of 255")
+    if (high - low).max() <= PLAIN:
+        raise UnfitMeasurement("plain", "one colour all over")
 
 
-def same_picture(one: Frame, other: Frame) -> bool:
-    """Check whether two pictures are equal in every pixel."""
-    return np.array_equal(one.labels, other.labels) and np.array_equal(one.depth, other.depth, equal_nan=True)
+def has_landmarks(frame: Frame) -> bool:
+    """Check whether a picture must look different after a move: classes and depth of bare seabed need not."""
+    return frame.rgb is not None or bool(((frame.labels == Label.OYSTER) | (frame.labels == Label.OBSTACLE)).any())
 
 
-def same_echoes(one: RangeImage, other: RangeImage) -> bool:
-    """Check whether two range images are equal in every beam."""
-    return np.array_equal(one.ranges, other.ranges)
+def picture_key(frame: Frame) -> int:
+    """Return a number that is equal for equal pictures: of the colours, since eyes add what else they know."""
+    seen = frame.labels.tobytes() + frame.depth.tobytes() if frame.rgb is None else frame.rgb.tobytes()
+    return hash(seen)
+
+
+def echo_key(image: RangeImage) -> int:
+    """Return a number that is equal for equal range images."""
+    return hash(image.ranges.tobytes())
 
 
 class FrozenSensor(Generic[T]):
@@ -166,19 +184,27 @@ class FrozenSensor(Generic[T]):
     Motion is that of the measured velocity: a drifting position moves without any motion.
     """
 
-    def __init__(self, same: Callable[[T, T], bool], way_m: float, turn_rad: float = math.inf) -> None:
-        """Set up; what is the same over more than `way_m` (m) or `turn_rad` (rad) is frozen."""
-        self._same, self._way_m, self._turn_rad = same, way_m, turn_rad
-        self._last: Stamped[T] | None = None
+    def __init__(self, key: Callable[[T], int], way_m: float, turn_rad: float = math.inf) -> None:
+        """Set up; what has the same key again after more than `way_m` (m) or `turn_rad` (rad) cannot be new."""
+        self._key, self._way_m, self._turn_rad = key, way_m, turn_rad
+        self._known: dict[int, tuple[float, float]] = {}
+        """How far the vehicle had moved and turned when each of the last measurements came first."""
+        self._last = 0
+        self._t = math.inf
         self._way = self._turn = 0.0
 
-    def update(self, new: Stamped[T], velocity: Velocity) -> bool:
-        """Take in the next measurement and the present velocity (m/s, m/s, rad/s). Return whether the sensor hangs."""
-        last, self._last = self._last, new
-        if last is None or not self._same(last.value, new.value):
-            self._way = self._turn = 0.0
-            return False
-        dt = max(new.t - last.t, 0.0)
+    def update(self, new: Stamped[T], velocity: Velocity) -> str:
+        """Take in the next measurement and the present velocity (m/s, m/s, rad/s).
+
+        Return "frozen" if it is the last one again, "repeated" if it is one from before, as of a stream that plays a
+        piece again and again, and "" if it is new.
+        """
+        dt, self._t = max(new.t - self._t, 0.0), new.t
         self._way += math.hypot(velocity[0], velocity[1]) * dt
         self._turn += abs(velocity[2]) * dt
-        return self._way > self._way_m or self._turn > self._turn_rad
+        key = self._key(new.value)
+        state, self._last = "frozen" if key == self._last else "repeated", key
+        way, turn = self._known.setdefault(key, (self._way, self._turn))
+        if len(self._known) > REMEMBERED:
+            del self._known[next(iter(self._known))]
+        return state if self._way - way > self._way_m or self._turn - turn > self._turn_rad else ""

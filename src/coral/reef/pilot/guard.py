@@ -70,8 +70,8 @@ class GuardCfg:
     min_seen: Fraction = 0.01
     """Share of the pixels that must have a return. The camera looks down and always sees the seabed before it."""
     frozen_m: Positive = 0.05
-    """Equal pictures over this distance mean that the camera hangs, if they show an oyster or an obstacle. Bare seabed
-    may look the same everywhere."""
+    """Equal pictures over this distance mean that the camera hangs. Where only classes and depth are known, they must
+    show an oyster or an obstacle: bare seabed may look the same everywhere."""
     frozen_rad: Positive = 0.05
     """The same for a turn."""
     min_heard: Fraction = 0.01
@@ -173,8 +173,8 @@ class SensorGuard:
         """Pose from which the next one may not have jumped, and since when it may have moved."""
         self._covariance: NDArray[np.float64] | None = None
         self._jumped = False
-        self._seen = FrozenSensor[Frame](checks.same_picture, self.cfg.frozen_m, self.cfg.frozen_rad)
-        self._heard = FrozenSensor[RangeImage](checks.same_echoes, self.cfg.frozen_m)
+        self._seen = FrozenSensor[Frame](checks.picture_key, self.cfg.frozen_m, self.cfg.frozen_rad)
+        self._heard = FrozenSensor[RangeImage](checks.echo_key, self.cfg.frozen_m)
         self.attitude: Attitude | None = None
         """The last attitude that passed."""
         self._attitudes: deque[Stamped[Attitude]] = deque(maxlen=REMEMBERED)
@@ -323,8 +323,9 @@ class SensorGuard:
 
     def _check_frame(self, stamped: Stamped[Any]) -> Frame:
         frame = checks.check_frame(stamped.value, self._camera, self.cfg.min_seen)
-        if self._seen.update(Stamped(stamped.t, frame), self._poses.velocity) and checks.has_landmarks(frame.labels):
-            raise UnfitMeasurement("frozen", "the same picture while the vehicle moves")
+        hangs = self._seen.update(Stamped(stamped.t, frame), self._poses.velocity)
+        if hangs and checks.has_landmarks(frame):
+            raise UnfitMeasurement(hangs, "the same picture while the vehicle moves")
         if frame.depth.flags.c_contiguous and frame.labels.flags.c_contiguous:
             return frame
         # Kernels are compiled for contiguous arrays: another layout would compile them again, for seconds.
@@ -333,8 +334,8 @@ class SensorGuard:
     def _check_sonar(self, stamped: Stamped[Any]) -> RangeImage:
         assert self._sonar is not None
         image = checks.check_range_image(stamped.value, self._sonar, self.cfg.min_heard)
-        if self._heard.update(Stamped(stamped.t, image), self._poses.velocity):
-            raise UnfitMeasurement("frozen", "the same image while the vehicle moves")
+        if hangs := self._heard.update(Stamped(stamped.t, image), self._poses.velocity):
+            raise UnfitMeasurement(hangs, "the same image while the vehicle moves")
         return image
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.pilot.checks import UnfitMeasurement, check_range_image
+from coral.reef.pilot.checks import UnfitMeasurement, check_colours, check_range_image
 from coral.reef.sea.latest_reading import KEPT, HeardImage, LatestReading, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
@@ -197,6 +197,13 @@ def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:
         why = f" ({camera.failure})" if camera.failure else ""
         return [CheckLine("camera", f"{name}: no picture{why} - will not arm", "blocking")]
     age = now - shot.stamp_s
+    rgb = shot.rgb if shot.frame is None else shot.frame.rgb
+    try:
+        if rgb is not None:
+            check_colours(rgb)
+    except UnfitMeasurement as unfit:
+        told = f"{name}: {unfit.reason} ({unfit.detail}) - is the lens covered, the light off? will not arm"
+        return [CheckLine("camera", told, "blocking")]
     lines = [CheckLine("camera", f"{name}, {rate_told(camera.rate_hz)}, last picture {max(age, 0.0):.1f} s old")]
     if camera.eyes is not None and shot.frame is not None:
         return [*lines, CheckLine("labels", f"{perception}, {1e3 * camera.seeing_s:.0f} ms a picture")]
