@@ -13,9 +13,9 @@ from coral.errors import InputError
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
 from coral.terminal import tell
 
-KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "q": "stop", "s": "surface"}
+KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "b": "home", "q": "stop", "s": "surface"}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
-HELP = "space: hold  r: resume  s: surface  q: stop"
+HELP = "space: hold  r: resume  b: back to the start  s: surface  q: stop"
 HELP_INSTRUCT = "i: another instruction"
 WAIT_S = 0.1
 

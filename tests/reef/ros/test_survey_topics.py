@@ -16,7 +16,7 @@ def test_a_grid_has_ros_values_row_by_row():
     assert survey_topics.grid_values(cells).tolist() == [-1, 0, 100, 50]
 
 
-@pytest.mark.parametrize(("service", "word"), [("start", "arm"), ("hold", "hold"), ("stop", "stop")])
+@pytest.mark.parametrize(("service", "word"), [("start", "arm"), ("hold", "hold"), ("home", "home"), ("stop", "stop")])
 def test_services_are_the_operators_words(monkeypatch, service, word):
     monkeypatch.setattr(survey_topics, "ros_type", fake_type)
     node, words = FakeNode(), OperatorWords()

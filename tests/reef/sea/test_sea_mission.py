@@ -90,6 +90,23 @@ def test_without_truth_the_vehicles_own_map_judges(tmp_path):
         assert "est_x" not in next(csv.reader(lines))
 
 
+def test_a_vehicle_that_is_called_home_ends_at_the_start(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=120.0, known=False)
+    away = []
+    start = voyage.area.start
+
+    def call():
+        away.append(math.dist(voyage.link.true_pose()[:2], start[:2]))
+        voyage.words.say("home", "ROS 2")
+
+    result = voyage.on(120, call).run()
+    assert result["end_reason"] == "back at the start: the operator's word (ROS 2)"
+    assert away[0] > 2.0
+    assert math.dist(voyage.link.true_pose()[:2], start[:2]) < 1.5
+    assert [event["source"] for event in events(tmp_path / "run", "goal")][-1] == "home"
+    assert voyage.link.report().mode == "POSHOLD"
+
+
 @pytest.fixture(scope="module")
 def interrupted(tmp_path_factory):
     """A survey that is held by the operator from 6 s to 10 s, blind from 15 s to 19 s and cut off from 24 s to 27 s."""

@@ -170,6 +170,47 @@ def test_after_the_way_back_it_may_surface():
     assert bench.tick(battery_fraction=0.2, pose=Pose(2.3, 5.0, 0.0)) is PilotState.SURFACING
 
 
+def test_the_operator_calls_the_vehicle_home_once(bench):
+    bench.tick("home")
+    assert bench.tick("home", seconds=2.0) is PilotState.SURVEYING
+    assert (bench.homeward, bench.link.done, bench.supervisor.end_reason) == (1, [], "")
+    assert "because of the operator's word (keyboard)" in bench.supervisor.awaits(1.0, None)
+    bench.tick(pose=Pose(2.3, 5.0, 0.0))
+    assert bench.supervisor.end_reason == "back at the start: the operator's word (keyboard)"
+
+
+def test_a_vehicle_called_home_may_surface_there():
+    bench = Bench(after_return="surface")
+    bench.tick("home")
+    assert bench.tick(pose=Pose(2.3, 5.0, 0.0)) is PilotState.SURFACING
+
+
+@pytest.mark.parametrize(("words", "report"), [(["hold"], {}), ([], {"manual_override": True})])
+def test_home_gets_a_vehicle_going_that_is_held_or_given_back(bench, words, report):
+    assert bench.tick(*words, **report) in (PilotState.HOLDING, PilotState.TAKEN_OVER)
+    bench.tick("home")
+    assert bench.tick() is PilotState.SURVEYING
+    assert (bench.homeward, bench.link.done[-1]) == (1, "arm")
+    bench.tick(pose=Pose(2.3, 5.0, 0.0))
+    assert bench.supervisor.end_reason == "back at the start: the operator's word (keyboard)"
+
+
+def test_the_way_home_may_be_held_and_goes_on(bench):
+    bench.tick("home")
+    assert bench.tick("hold", seconds=5.0) is PilotState.HOLDING
+    bench.tick("resume")
+    assert bench.tick() is PilotState.SURVEYING
+    assert bench.homeward == 1
+    bench.tick(pose=Pose(2.3, 5.0, 0.0))
+    assert bench.supervisor.end_reason.startswith("back at the start")
+
+
+def test_a_surfacing_vehicle_is_not_called_home(bench):
+    bench.tick("surface")
+    assert bench.tick("home") is PilotState.SURFACING
+    assert bench.homeward == 0
+
+
 def test_a_leak_on_the_way_back_surfaces_at_once(bench):
     bench.tick(battery_fraction=0.2)
     assert bench.tick(battery_fraction=0.2, leak=True) is PilotState.SURFACING

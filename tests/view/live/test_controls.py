@@ -57,7 +57,8 @@ def test_a_survey_is_armed_once_and_steered_until_its_end():
     assert all(button["disabled"] for button in ended.values())
     assert controls.press("hold", None)
     assert not controls.press("speed", 2)
-    assert said == [("hold", "page")]
+    assert controls.press("home", None)
+    assert said == [("hold", "page"), ("home", "page")]
 
 
 @pytest.mark.parametrize("made", [lambda f: RunControls(Pace(), instruct=f), lambda f: SurveyControls(None, f)])

@@ -14,7 +14,7 @@ END_REASONS = {
     "surfaced": "a sensor was silent for too long, or a limit sent the vehicle up; the simulated vehicle of `coral "
     "reef run` keeps its depth, so this ends its survey",
     "left to surface": "at sea, the same, and the ascent was not seen to end",
-    "back at the start": "at sea, a limit sent the vehicle back",
+    "back at the start": "at sea, a limit or the operator sent the vehicle back",
     "disarmed by the operator": "at sea, the operator's word",
     "stopped by the operator": "Ctrl-C, the stop button, or at sea the operator's word; of another signal its name: "
     "`stopped by SIGTERM`",

@@ -20,7 +20,7 @@ TOPICS = {
     "diagnostics": ("diagnostic_msgs/DiagnosticArray", "The state and its reason, late ticks."),
     "coral/WORD": (
         "std_srvs/Trigger",
-        "The operator's commands: `start`, `hold`, `resume`, `surface`, `stop`, `disarm`.",
+        "The operator's commands: `start`, `hold`, `resume`, `home`, `surface`, `stop`, `disarm`.",
     ),
     "coral/question": ("std_msgs/String", "With `--advisor ros2:NAMESPACE`: a question, as at the desk."),
     "coral/question/pictures": ("sensor_msgs/CompressedImage", "Its pictures."),

@@ -11,11 +11,12 @@ from typing import Literal
 from coral.errors import first_line
 from coral.reef.sea.link import LinkRefused, VehicleLink
 
-Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm"]
+Word = Literal["arm", "hold", "resume", "home", "stop", "surface", "disarm"]
 WORDS: dict[Word, str] = {
     "arm": "Let the survey begin.",
     "hold": "Stay here; the survey waits.",
     "resume": "Continue after a hold, a limit, or a person at the joystick.",
+    "home": "Return to the start, around what is on the map; then as `--safety.after-return` says.",
     "stop": "End the survey, and hold.",
     "surface": "End the survey, and come up.",
     "disarm": "Stop the thrusters, now.",

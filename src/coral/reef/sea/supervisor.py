@@ -91,8 +91,7 @@ class Supervisor:
         """End a survey that has done all it could, as configured."""
         action = self.safety.cfg.on_done
         if action == "return" and self.states.state is PilotState.SURVEYING:
-            self.returning = reason
-            self._go_home()
+            self._return(reason)
         elif action == "surface" and self.states.move(t, Mover.VEHICLE, "must surface", reason):
             self._order("surface")
         elif self.states.state is not PilotState.SURFACING:
@@ -140,10 +139,11 @@ class Supervisor:
                 self._go_on = None
                 self._order("hold")
         elif word == "resume":
-            if self.states.state in (PilotState.HOLDING, PilotState.TAKEN_OVER):
-                self.safety.accept(report)
-                self._go_on = (_OPERATOR, "go on")
-                self._order("arm")
+            self._resume(report)
+        elif word == "home":
+            if self.states.state in (PilotState.SURVEYING, PilotState.HOLDING, PilotState.TAKEN_OVER):
+                self._return(f"the operator's word ({source})")
+                self._resume(report)
         elif word == "surface":
             if self.states.move(t, _OPERATOR, "surface", f"ended {by}"):
                 self._order("surface")
@@ -153,6 +153,19 @@ class Supervisor:
             self.orders.give("disarm")
         elif word == "stop":
             self.end_reason = self.end_reason or f"stopped {by}"
+
+    def _resume(self, report: VehicleReport) -> None:
+        """Continue after a hold, or after a person has steered; with what has happened so far."""
+        if self.states.state in (PilotState.HOLDING, PilotState.TAKEN_OVER):
+            self.safety.accept(report)
+            self._go_on = (_OPERATOR, "go on")
+            self._order("arm")
+
+    def _return(self, reason: str) -> None:
+        """Go back to the start, unless it is on its way."""
+        if not self.returning:
+            self.returning = reason
+            self._go_home()
 
     def _keep_limits(self, now: float, t: float, report: VehicleReport, pose: Pose | None) -> None:
         state = self.states.state
@@ -185,9 +198,8 @@ class Supervisor:
     def _begin_return(self, t: float, breach: Breach, state: PilotState) -> None:
         if self.returning or state not in (PilotState.SURVEYING, PilotState.HOLDING):
             return
-        self.returning = breach.reason
         self._tell_breach(breach)
-        self._go_home()
+        self._return(breach.reason)
 
     def _let_pass(self, t: float) -> None:
         """Continue after a passing breach, once it has been over for a while."""

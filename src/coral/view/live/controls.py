@@ -100,6 +100,7 @@ BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
     ("arm", "Arm and begin", "good", "The thrusters start, and the survey begins."),
     ("hold", "Hold", "", "Stay here. Resume continues."),
     ("resume", "Resume", "good", "Continue after a hold, a limit, or a person at the joystick."),
+    ("home", "Return to the start", "", "Drives back around what is on the map; the survey ends there."),
     ("surface", "End and surface", "", "Ends the survey; the vehicle comes up where it is."),
     ("stop", "Stop the survey", "bad", "Ends the survey; the vehicle holds where it is."),
 )
