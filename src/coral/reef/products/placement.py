@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.reef.recordings.local_plane import MOST_DEGREES, LocalPlane
 from coral.reef.world.geometry import Pose
-from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 
 
 @dataclass(frozen=True)

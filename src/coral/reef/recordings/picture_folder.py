@@ -13,12 +13,12 @@ from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
 from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.recordings.local_plane import MOST_DEGREES, LocalPlane
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.picture_files import read_picture
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Pose, wrap
-from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 
 TABLE = "poses.csv"
 Row = tuple[str, dict[str, float], dict[str, str]]

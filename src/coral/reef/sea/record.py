@@ -15,9 +15,9 @@ from coral.config import to_mapping
 from coral.reef.map.belief import Belief
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
-from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.reef_truth import ReefTruth
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import save_survey
 from coral.reef.sea.survey_file import SurveyArea

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.mission.reef_truth import ReefTruth
+from coral.reef.sea.reef_truth import ReefTruth
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import load_world

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.world.local_plane import LocalPlane
+from coral.reef.recordings.local_plane import LocalPlane
 
 pytest.importorskip("pyproj")
 
