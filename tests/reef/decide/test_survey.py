@@ -88,4 +88,4 @@ def test_ways_lead_around_walls_and_nowhere_through():
     belief.map.obstacle[:, 240:244] = True
     closed = left(belief)
     assert math.isinf(closed.path_m(14.0, 10.0))
-    assert np.isinf(closed.paths_m(np.array([8.0, 14.0]), np.array([10.0, 10.0]))).tolist() == [False, True]
+    assert np.isinf(closed.field.lengths(np.array([8.0, 14.0]), np.array([10.0, 10.0]))).tolist() == [False, True]

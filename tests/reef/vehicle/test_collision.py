@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.reef.vehicle.collision import ContactCounter, clearance, nearest
+from coral.reef.vehicle import collision_kernels
+from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.collision_kernels import ellipse_distance, rectangle_distance
 from coral.reef.world.scene import ELLIPSE, RECTANGLE, Footprints
 
@@ -49,7 +50,7 @@ def test_hand_computed_distances():
 
 
 def test_no_obstacles_are_infinitely_far():
-    assert nearest(outlines(), 1, 1) == (math.inf, -1)
+    assert clearance(outlines(), 1, 1) == math.inf
 
 
 def test_the_worlds_border_is_no_obstacle():
@@ -101,7 +102,7 @@ def test_nearest_equals_the_search_over_all_outlines():
     checked = 0
     for x, y in rng.uniform(-1, 11, (200, 2)):
         distances = np.array([np.hypot(*(edge - [x, y]).T).min() for edge in edges])
-        found, index = nearest(field, x, y)
+        found, index = collision_kernels.clearance(x, y, field)
         if found > 0:
             checked += 1
             assert found == pytest.approx(distances.min(), abs=2e-3)

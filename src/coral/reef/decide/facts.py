@@ -48,7 +48,7 @@ def waypoint_options(
         if math.hypot(f, s) >= separation_m
     ]
     points = np.array([to_world(pose, f, s) for f, s in steps])
-    paths = left.paths_m(points[:, 0], points[:, 1])
+    paths = left.field.lengths(points[:, 0], points[:, 1])
     return [
         {"forward_m": f, "left_m": s, "path_m": round(float(path), 2), "unexplored": _unexplored(belief, left, x, y)}
         for (f, s), (x, y), path in zip(steps, points, paths, strict=True)

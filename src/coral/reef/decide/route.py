@@ -227,7 +227,9 @@ class Route:
             return
         chosen = {goal.index for goal in self.goals}
         dots = tuple((track.x, track.y) for track in belief.tracks if track.index not in chosen)
-        belief.unchosen = dots + tuple(at for at in self.ruled_out if not _near(belief.tracks, at))
+        known = [(track.x, track.y) for track in belief.tracks]
+        gone = (at for at in self.ruled_out if all(math.dist(dot, at) > SAME_M for dot in known))
+        belief.unchosen = (*dots, *gone)
         if self.goals and self.goals[0].index is None and self.goals[0].pass_m is None:
             goal = self.goals[0]
             clear = moved_clear((goal.x, goal.y), belief.unchosen, belief.clear_m, belief.pose[:2])
@@ -265,10 +267,6 @@ class Route:
         share = self.belief.map.unexplored_share(goal.x, goal.y, LOOK_M)
         self._unexplored = max(self._unexplored, share)
         return self.cfg.ahead and self._unexplored > EXPLORED_SHARE >= share
-
-
-def _near(tracks: Sequence[Track], at: tuple[float, float]) -> bool:
-    return any(math.dist((track.x, track.y), at) <= SAME_M for track in tracks)
 
 
 def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, float]:

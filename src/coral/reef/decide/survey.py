@@ -76,10 +76,6 @@ class Survey:
         """Length of the known way from the robot to within `within_m` of a point (m); inf when there is none."""
         return self.field.lookup(x, y) if self.field.reaches(x, y, within_m) else math.inf
 
-    def paths_m(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
-        """`path_m` of many points, each in free water itself. Shape=(N,)."""
-        return self.field.lengths(xs, ys)
-
 
 def survey(outlook: Outlook, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
     """Analyse the map as it will be on arrival; from `forward_m` on a centroid counts as ahead (Alg. 2, d_min)."""
@@ -115,7 +111,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
     touching = cv2.dilate(unknown, np.ones((3, 3), np.uint8)).astype(bool)
     ys, xs = np.nonzero(touching & explored & ~solid)
     px, py = np.asarray((xs + 0.5) * cell_m), np.asarray((ys + 0.5) * cell_m)
-    path = left.paths_m(px, py)
+    path = left.field.lengths(px, py)
     keep = np.isfinite(path)
     xs, ys, px, py, path = xs[keep], ys[keep], px[keep], py[keep], path[keep]
     edge_mask = np.zeros(explored.shape, np.uint8)

@@ -54,7 +54,7 @@ class RemainingTour:
 
     def prices_s(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the price (s) of going to points first, and to the places from there. Shape=(N,)."""
-        first = self.start.paths_m(xs, ys) / SPEED_M_S
+        first = self.start.field.lengths(xs, ys) / SPEED_M_S
         x, y, theta = self.pose
         off = np.arctan2(ys - y, xs - x) - theta
         first = first + np.abs(np.arctan2(np.sin(off), np.cos(off))) / YAW_RATE_RAD_S

@@ -20,7 +20,6 @@ from coral.reef.map.glimpses import Glimpses
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.regions import OysterRegions
 from coral.reef.map.water import Water, WaterMap
-from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
 
@@ -78,7 +77,7 @@ class Belief:
     def snapshot(self) -> Belief:
         """Copy all that decisions read, for another thread to work on while this belief changes: some milliseconds."""
         copied = copy.copy(self)
-        copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
+        copied.map, copied.tracker = self.map.snapshot(), copy.copy(self.tracker)
         copied.best_views, copied.glimpses = copy.copy(self.best_views), copy.copy(self.glimpses)
         copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
         copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
@@ -145,10 +144,6 @@ class Belief:
                 self.best_views.update(frame, pose, self.tracks, self._ticks)
                 self.glimpses.update(frame, pose)
         self._ticks += 1
-
-    def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
-        """Take in a range image of the sonar, taken at `pose` in `attitude`; None: level."""
-        self.map.hear(image, pose, attitude)
 
     def distance_in_known_water(self, radius_m: float, hull_m: float) -> NDArray[np.float32]:
         """Return the distances (m) to all that is not known to be free, about the robot; see the map."""

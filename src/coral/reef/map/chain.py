@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -197,6 +196,7 @@ class CentroidTracker:
     def __init__(self, cfg: ChainCfg | None = None) -> None:
         self.cfg = cfg or ChainCfg()
         self.tracks: list[Track] = []
+        """Replaced as a whole, so that a shallow copy stays as it is."""
         self._labels = itertools.count()
         """A label means one cluster throughout a mission."""
         self._inspected: dict[int, NDArray[np.intp]] = {}
@@ -297,12 +297,6 @@ class CentroidTracker:
             points = np.asarray((left[:, ::-1] + 0.5) * cell_m, np.float64)
             tracks.append(replace(track, inspected=share, left=points, visited=len(left) <= least))
         self.tracks, self._inspected = tracks, inspected
-
-    def snapshot(self) -> CentroidTracker:
-        """Copy the tracks as they are; the copy is only to be read."""
-        copied = copy.copy(self)
-        copied.tracks = list(self.tracks)
-        return copied
 
     def doubt(self, agreement: Callable[[NDArray[np.intp]], float], sure: float) -> None:
         """Mark the clusters of which the pictures agree, from 0 to 1, less than `sure` that there are oysters."""

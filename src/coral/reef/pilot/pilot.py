@@ -134,7 +134,7 @@ class Pilot:
         elif reading.pose is not None:
             self.belief.update(None, reading.pose)
         if reading.sonar is not None and reading.sonar_pose is not None:
-            self.belief.hear(reading.sonar, reading.sonar_pose, reading.sonar_attitude)
+            self.belief.map.hear(reading.sonar, reading.sonar_pose, reading.sonar_attitude)
         if not self.safety.driving:
             return self._stand(reading.t)
         self._tell_blind(reading.blind)

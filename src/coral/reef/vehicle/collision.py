@@ -12,18 +12,12 @@ from coral.reef.vehicle import collision_kernels
 from coral.reef.world.scene import Footprints
 
 
-def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
-    """Return the signed distance (m) to the nearest obstacle, negative inside, and its index; (inf, -1) without any.
+def clearance(footprints: Footprints, x: float, y: float) -> float:
+    """Return the signed distance (m) from a point to the nearest obstacle's outline, negative inside, inf without any.
 
     The world's border does not count. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
-    distance, index = collision_kernels.clearance(float(x), float(y), footprints)
-    return float(distance), int(index)
-
-
-def clearance(footprints: Footprints, x: float, y: float) -> float:
-    """Return the signed distance (m) from a point to the nearest obstacle's outline, as `nearest` does."""
-    return nearest(footprints, x, y)[0]
+    return float(collision_kernels.clearance(float(x), float(y), footprints)[0])
 
 
 class ContactCounter:
