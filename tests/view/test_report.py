@@ -280,6 +280,16 @@ def test_figures_by_the_vehicles_own_map_are_said_to_be_so(fresh):
         assert words not in html
 
 
+def test_where_nobody_knows_the_error_the_report_says_what_was_corrected(fresh):
+    with_events(fresh, {"event": "start", "judged_by": OWN_MAP})
+    found = json.loads((fresh / "metrics.json").read_text())
+    known = {"position_error_m": None, "odometry_error_m": None, "corrected_m": 0.8, "position_sigma_m": 0.07}
+    (fresh / "metrics.json").write_text(json.dumps({**found, **known}))
+    html = page(fresh)
+    assert "<dt>position corrected at the end</dt><dd>0.80 m" in html
+    assert "nobody knows the error, it reckons with 0.07 m" in html
+
+
 def test_another_mission_has_no_section_of_its_own(fresh):
     assert 'id="mission"' not in page(fresh)
 

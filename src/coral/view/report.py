@@ -196,11 +196,18 @@ def _inspection_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, s
 
 
 def _position_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Return the tile of the position error; none where the odometry is exact."""
-    error, odometry = metrics.get("position_error_m"), metrics.get("odometry_error_m")
-    if not isinstance(error, int | float) or not isinstance(odometry, int | float) or odometry < EXACT_M:
+    """Return the tile of the position's error, or of what was corrected; none where the odometry is exact."""
+    error, odometry, corrected, sigma = (
+        metrics.get(key) for key in ("position_error_m", "odometry_error_m", "corrected_m", "position_sigma_m")
+    )
+    if isinstance(error, int | float) and isinstance(odometry, int | float):
+        told = f"odometry alone {odometry:.2f} m"
+        return [] if odometry < EXACT_M else [(f"{error:.2f} m", told, "position error at the end", "")]
+    if not isinstance(corrected, int | float) or corrected < EXACT_M:
         return []
-    return [(f"{error:.2f} m", f"odometry alone {odometry:.2f} m", "position error at the end", "")]
+    told = "by the localizer; nobody knows the error"
+    told += f", it reckons with {sigma:.2f} m" if isinstance(sigma, int | float) else ""
+    return [(f"{corrected:.2f} m", told, "position corrected at the end", "")]
 
 
 def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, str]]:

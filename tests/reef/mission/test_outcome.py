@@ -88,6 +88,7 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         "phantom_clusters": 3,
         "position_error_m": 0.1,
         "odometry_error_m": 1.1,
+        "corrected_m": 1.0,
         "all_covered_s": 0.2,
     }
     assert set(found) == set(DEFINITIONS)

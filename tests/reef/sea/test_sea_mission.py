@@ -85,7 +85,8 @@ def test_without_truth_the_vehicles_own_map_judges(tmp_path):
     near = [track for track in voyage.mission.belief.tracks if not track.far]
     assert result["clusters_total"] == len(near) > 0
     assert result["clusters_covered"] == sum(track.visited for track in near)
-    assert result["inspected"] is None
+    assert (result["inspected"], result["position_error_m"], result["odometry_error_m"]) == (None, None, None)
+    assert (result["corrected_m"], result["position_sigma_m"]) == (0.0, 0.0)
     with open(tmp_path / "run" / "trajectory.csv") as lines:
         assert "est_x" not in next(csv.reader(lines))
 

@@ -51,6 +51,7 @@ DEFINITIONS = {
     "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
     "recording_dropped": "Records that were dropped because too many waited.",
     "tether_turns": "Turns of the tether at the end, positive to the left.",
+    "position_sigma_m": "Standard deviation of the position at the end, as the localizer reckons it (m).",
     "seconds_in_state": "Time (s) in each state of the vehicle.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); null where it was not recorded.",

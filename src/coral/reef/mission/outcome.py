@@ -44,6 +44,7 @@ DEFINITIONS = {
     "phantom_clusters": "Clusters on the robot's map at the end that match no true one (no oyster within 1 m).",
     "position_error_m": "Distance between the position that the robot believed at the end and the true one (m).",
     "odometry_error_m": "The same distance for the odometry alone, before correction (m).",
+    "corrected_m": "Distance between the position that the robot believed at the end and that of its odometry (m).",
     "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where `--cfg.stop-when-covered` "
     "would end a mission; null where it never came to that.",
 }
@@ -70,6 +71,7 @@ def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Seq
         "phantom_clusters": judged.get("phantoms"),
         "position_error_m": _position_error(rows, "est"),
         "odometry_error_m": _position_error(rows, "odo"),
+        "corrected_m": _corrected(rows),
         "all_covered_s": _all_covered_s(events),
     }
 
@@ -124,13 +126,22 @@ def driven_back(path: NDArray[np.float64]) -> int:
 def _position_error(rows: Sequence[Row], of: str) -> float | None:
     """Return the distance (m) of the last estimate (est, odo) from the true position; None if it was not recorded.
 
-    A tick's estimate is of where the last one ended.
+    A tick's estimate is of where the last one ended. Where nobody knows the truth, there is no column of estimates: x
+    and y are what the robot believed.
     """
-    if len(rows) < 2 or f"{of}_x" not in rows[0]:
+    if len(rows) < 2 or "est_x" not in rows[0] or f"{of}_x" not in rows[0]:
         return None
     true, believed = rows[-2], rows[-1]
     there = float(believed[f"{of}_x"]), float(believed[f"{of}_y"])
     return round(math.dist((float(true["x"]), float(true["y"])), there), 4)
+
+
+def _corrected(rows: Sequence[Row]) -> float | None:
+    if not rows or "odo_x" not in rows[-1]:
+        return None
+    last, believed = rows[-1], "est_" if "est_x" in rows[-1] else ""
+    there, alone = ((float(last[f"{of}x"]), float(last[f"{of}y"])) for of in (believed, "odo_"))
+    return round(math.dist(there, alone), 4)
 
 
 def _all_covered_s(events: Iterable[Mapping[str, Any]]) -> float | None:

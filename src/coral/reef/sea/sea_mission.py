@@ -5,6 +5,7 @@ The loop and the robot are those of a simulated mission. Nothing here knows the 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -365,6 +366,7 @@ class SeaMission:
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),
+            "position_sigma_m": round(math.hypot(*self.robot.localizer.sigma[:2]), 3),
         }
         loop, wall_s = self.loop, self._clock() - self.vehicle.began_s
         ages = {"picture_age_ms": self.picture_age_ms}
