@@ -75,23 +75,12 @@ def read_bytes(path: Path, expected: str, most_bytes: int, field: str = "") -> b
     Raises:
         InputError: It is missing, a folder, not a regular file, unreadable, or too large.
     """
-    where = str(path)
-    try:
-        with open_regular(path) as file:
-            size = os.fstat(file.fileno()).st_size
-            content = file.read(size + 1) if size <= most_bytes else b""
-    except FileNotFoundError:
-        raise InputError(where, field, "no such file", expected) from None
-    except IsADirectoryError:
-        raise InputError(where, field, "a folder", expected) from None
-    except NotRegularError as error:
-        raise InputError(where, field, error.kind, f"a regular file: {expected}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(where, field, reason.lower(), expected) from None
+    with _saying_why(path, expected, field), open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        content = file.read(size + 1) if size <= most_bytes else b""
     if max(size, len(content)) > most_bytes:
         shown = f"{most_bytes / 1e6:.0f} MB"
-        raise InputError(where, field, f"more than {shown}", f"a file of at most {shown}")
+        raise InputError(str(path), field, f"more than {shown}", f"a file of at most {shown}")
     return content
 
 
@@ -101,13 +90,23 @@ def read_head(path: Path, expected: str, most_bytes: int = 16) -> bytes:
     Raises:
         InputError: It is missing, a folder, not a regular file, or unreadable.
     """
+    with _saying_why(path, expected), open_regular(path) as file:
+        return file.read(most_bytes)
+
+
+@contextmanager
+def _saying_why(path: Path, expected: str, field: str = "") -> Iterator[None]:
     try:
-        with open_regular(path) as file:
-            return file.read(most_bytes)
+        yield
+    except FileNotFoundError:
+        raise InputError(str(path), field, "no such file", expected) from None
+    except IsADirectoryError:
+        raise InputError(str(path), field, "a folder", expected) from None
     except NotRegularError as error:
-        raise InputError(str(path), "", error.kind, f"a regular file: {expected}") from None
-    except OSError as error:
-        raise InputError(str(path), "", (error.strerror or str(error)).lower(), expected) from None
+        raise InputError(str(path), field, error.kind, f"a regular file: {expected}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(str(path), field, reason.lower(), expected) from None
 
 
 def read_text(path: Path, expected: str, most_bytes: int = limits.YAML_BYTES, field: str = "") -> str:

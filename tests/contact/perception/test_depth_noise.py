@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ball_before_wall import scene
 
-from coral.contact.perception.depth_noise import D435, DepthNoise, DepthNoiseCfg
+from coral.contact.perception.depth_noise import D435, DepthNoiseCfg
 from coral.contact.perception.noise_kernels import disturb
 
 NONE = DepthNoiseCfg(
@@ -23,7 +23,7 @@ NONE = DepthNoiseCfg(
 
 
 def test_noise_has_the_spread_of_the_formula_and_is_the_seed_s():
-    plain = DepthNoise(DepthNoiseCfg(uneven_m=0.0, disparity_step_px=0.0, hole=0.0))
+    plain = DepthNoiseCfg(uneven_m=0.0, disparity_step_px=0.0, hole=0.0)
     camera, data = scene(noise=plain)
     first = camera.take(data, np.random.default_rng(3))
     again = camera.take(data, np.random.default_rng(3))
@@ -71,7 +71,7 @@ def test_the_noise_kernel_against_numpy():
 
 
 def test_outlines_are_jagged_and_full_of_holes():
-    camera, data = scene(noise=DepthNoise())
+    camera, data = scene(noise=DepthNoiseCfg())
     clean, _ = scene()
     frame, truth = camera.take(data, np.random.default_rng(0)), clean.take(data)
     wrong = frame.mask("ball") != truth.mask("ball")
@@ -84,9 +84,7 @@ def seen(cfg, width=64, depth_m=1.0):
     shape = (48, width)
     normal = np.broadcast_to([0.0, 0.0, -1.0], (*shape, 3)).copy()
     lens = np.array([500.0 * width / 640, 500.0 * width / 640, width / 2 - 0.5, 23.5])
-    return DepthNoise(cfg).apply(
-        np.full(shape, depth_m), normal, np.ones(shape, np.uint8), lens, np.random.default_rng(0)
-    )
+    return cfg.apply(np.full(shape, depth_m), normal, np.ones(shape, np.uint8), lens, np.random.default_rng(0))
 
 
 def test_without_any_amount_only_the_paper_s_own_spread_at_a_slant_is_left():

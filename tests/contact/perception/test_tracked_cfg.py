@@ -51,9 +51,9 @@ def test_only_a_tracker_that_wants_colours_gets_them(cfg, coloured):
 
 
 def test_a_sensor_brings_its_noise():
-    assert replace(SMALL, sensor="d435").make_noise().cfg is D435
-    assert SMALL.make_noise().cfg == DepthNoiseCfg()
-    assert replace(SMALL, noise=False, sensor="d435").make_noise() is None
+    assert replace(SMALL, sensor="d435").sensor_noise() is D435
+    assert SMALL.sensor_noise() == DepthNoiseCfg()
+    assert replace(SMALL, noise=False, sensor="d435").sensor_noise() is None
 
 
 def test_without_noise_a_picture_needs_no_seed():

@@ -56,7 +56,7 @@ def test_more_pictures_become_familiar_and_the_others_stay_so(monkeypatch):
         return net.unlike(torch.from_numpy(points).float()).numpy()[:, 0]
 
     assert (unlike(new) > 1).all()
-    monkeypatch.setattr(familiar, "describe_pictures", lambda net, pictures: new)
+    monkeypatch.setattr(familiar, "describe_picture", lambda net, picture: new)
     familiar.know_more(net, [LabelledPicture("d-1", np.zeros((48, 64, 3), np.uint8), np.zeros((48, 64), np.uint8))], 0)
     assert (unlike(new) < 0.01).all()
     assert (unlike(known) < 1).mean() > 0.9

@@ -55,7 +55,7 @@ def make_advisor_camera(
                     replace(tracked.camera, width=cfg.width, height=cfg.height),
                     look_at(*(_above(trial) if above else viewpoint(trial, tracked))),
                     instance_names(simulation.model, trial),
-                    noise=tracked.make_noise(),
+                    noise=tracked.sensor_noise(),
                     colours=True,
                     hidden=hidden_geoms(simulation.model, trial),
                 )

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Positive
-from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.depth_noise import DepthNoiseCfg
 from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.raycast_kernels import render
-from coral.contact.perception.shading import shade
 from coral.contact.perception.solids import from_mujoco
 from coral.contact.scene.observation import Array
 
@@ -107,7 +106,7 @@ class RayCamera:
         instances: Mapping[int, str],
         *,
         groups: Iterable[int] = (0, 1, 2),
-        noise: DepthNoise | None = None,
+        noise: DepthNoiseCfg | None = None,
         colours: bool = False,
         hidden: Iterable[int] = (),
     ) -> None:
@@ -150,3 +149,25 @@ class RayCamera:
                 depth, instance = self.noise.apply(depth, normal, instance, lens, rng)
         measured = np.where(np.isfinite(depth), depth, 0.0).astype(np.float32)
         return RgbdFrame(measured, instance, self.names, lens, self.T_world_camera.copy(), float(data.time), rgb)
+
+
+_AMBIENT, _HEADLIGHT, _LAMP = 0.3, 0.4, 0.3
+"""Shares of the light; their sum is 1, so that nothing is overexposed."""
+_SKY = np.array([191, 209, 230], np.uint8)
+
+
+def shade(normal: Array, solid: NDArray[np.int64], colour: Array, lens: Array) -> NDArray[np.uint8]:
+    """Shade a picture by Lambert's law, with a headlight and a lamp above; return RGB, Shape=(H, W, 3).
+
+    The unit normals, Shape=(H, W, 3), are in the camera frame, 0 without a surface; `solid` is the index into `colour`,
+    Shape=(N, 3), from 0 to 1, -1 without a surface; the lens is fx, fy, cx, cy in pixels.
+    """
+    height, width = solid.shape
+    rows, columns = np.nonzero(solid >= 0)
+    p, q = (columns - lens[2]) / lens[0], (rows - lens[3]) / lens[1]
+    n = normal[rows, columns]
+    headlight = -(n[:, 0] * p + n[:, 1] * q + n[:, 2]) / np.sqrt(1.0 + p * p + q * q)
+    light = (255.0 * (_AMBIENT + _HEADLIGHT * headlight.clip(0.0) + _LAMP * (-n[:, 1]).clip(0.0))).astype(np.float32)
+    picture = np.broadcast_to(_SKY, (height, width, 3)).copy()
+    picture[rows, columns] = (colour.astype(np.float32)[solid[rows, columns]] * light[:, None] + 0.5).astype(np.uint8)
+    return picture

@@ -47,6 +47,37 @@ class DepthNoiseCfg:
     jump_m: NonNegative = 0.03
     """Depth difference between neighbours that counts as a jump."""
 
+    def apply(
+        self, depth: Array, normal: Array, instance: NDArray[np.uint8], lens: Array, rng: np.random.Generator
+    ) -> tuple[Array, NDArray[np.uint8]]:
+        """Add noise to depth and instances, Shape=(H, W); depth is in metres, inf without a surface or measurement.
+
+        The unit normals, Shape=(H, W, 3), are in the camera frame, the lens is fx, fy, cx, cy in pixels.
+        """
+        height, width = depth.shape
+        scale = width / 640.0
+        steps = lens[0] / scale * self.baseline_m / self.disparity_step_px if self.disparity_step_px > 0.0 else 0.0
+        amounts = np.array(
+            [
+                self.lateral_px * scale,
+                self.wavy_px * scale,
+                self.axial_m,
+                self.axial_growth,
+                self.uneven_m,
+                steps,
+                math.cos(math.radians(self.grazing_deg)),
+                self.edge_hole,
+                self.hole,
+                self.jump_m,
+            ]
+        )
+        wavy = np.stack([_smooth(height, width, rng) for _ in range(2)])
+        lateral, axial = _normal((2, height, width), rng), _normal((height, width), rng)
+        uneven, chance = _smooth(height, width, rng), rng.random((height, width), np.float32)
+        measured, labels = np.empty((height, width)), np.empty((height, width), np.uint8)
+        disturb(depth, normal, instance, lens, lateral, wavy, axial, uneven, chance, amounts, measured, labels)
+        return measured, labels
+
 
 D435 = DepthNoiseCfg(
     axial_m=0.0006,
@@ -63,45 +94,6 @@ D435 = DepthNoiseCfg(
 1/32 pixel are Intel's; the error of the disparity, what neighbours share of it, wide edges and holes are assumed."""
 SENSORS: Mapping[str, DepthNoiseCfg] = {"kinect": DepthNoiseCfg(), "d435": D435}
 Sensor = Literal["kinect", "d435"]
-
-
-class DepthNoise:
-    """Adds measurement noise to a perfect picture."""
-
-    def __init__(self, cfg: DepthNoiseCfg | None = None) -> None:
-        self.cfg = cfg or DepthNoiseCfg()
-
-    def apply(
-        self, depth: Array, normal: Array, instance: NDArray[np.uint8], lens: Array, rng: np.random.Generator
-    ) -> tuple[Array, NDArray[np.uint8]]:
-        """Add noise to depth and instances, Shape=(H, W); depth is in metres, inf without a surface or measurement.
-
-        The unit normals, Shape=(H, W, 3), are in the camera frame, the lens is fx, fy, cx, cy in pixels.
-        """
-        cfg = self.cfg
-        height, width = depth.shape
-        scale = width / 640.0
-        steps = lens[0] / scale * cfg.baseline_m / cfg.disparity_step_px if cfg.disparity_step_px > 0.0 else 0.0
-        amounts = np.array(
-            [
-                cfg.lateral_px * scale,
-                cfg.wavy_px * scale,
-                cfg.axial_m,
-                cfg.axial_growth,
-                cfg.uneven_m,
-                steps,
-                math.cos(math.radians(cfg.grazing_deg)),
-                cfg.edge_hole,
-                cfg.hole,
-                cfg.jump_m,
-            ]
-        )
-        wavy = np.stack([_smooth(height, width, rng) for _ in range(2)])
-        lateral, axial = _normal((2, height, width), rng), _normal((height, width), rng)
-        uneven, chance = _smooth(height, width, rng), rng.random((height, width), np.float32)
-        measured, labels = np.empty((height, width)), np.empty((height, width), np.uint8)
-        disturb(depth, normal, instance, lens, lateral, wavy, axial, uneven, chance, amounts, measured, labels)
-        return measured, labels
 
 
 def _normal(shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:

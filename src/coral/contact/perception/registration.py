@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.align_kernels import align
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.confidence import MARGIN_M
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, robot_mask
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.scene.geometry import rotation_about, spread_rotations
@@ -37,8 +38,6 @@ OUTLINE = 2.0
 WIDE_M = 0.04
 TIGHT_M = 0.01
 """Depth residuals larger than this are ignored, in the first step and in the last one."""
-MARGIN_M = 0.012
-"""Depths with a smaller difference agree."""
 
 
 def start_orientations(model: ObjectModel) -> Array:

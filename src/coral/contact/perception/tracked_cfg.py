@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.depth_noise import SENSORS, DepthNoise, Sensor
+from coral.contact.perception.depth_noise import SENSORS, DepthNoiseCfg, Sensor
 from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
@@ -68,9 +68,9 @@ class TrackedCfg:
             raise InputError("tracked", "latency_s", self.latency_s, f"at most period_s ({self.period_s:g} s)")
         self.choice()
 
-    def make_noise(self) -> DepthNoise | None:
-        """Make the noise of the pictures; None without."""
-        return DepthNoise(SENSORS[self.sensor]) if self.noise else None
+    def sensor_noise(self) -> DepthNoiseCfg | None:
+        """Return the noise of the pictures; None without."""
+        return SENSORS[self.sensor] if self.noise else None
 
     def choice(self) -> TrackerChoice:
         """Return the tracker that `by` names.
@@ -102,6 +102,6 @@ def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg, colours: b
         look_at(*viewpoint(trial, cfg)),
         instance_names(model, trial),
         groups=_DRAWN,
-        noise=cfg.make_noise(),
+        noise=cfg.sensor_noise(),
         colours=colours or cfg.choice().wants_colours,
     )

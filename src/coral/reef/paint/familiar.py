@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import cv2
 import numpy as np
 import torch
@@ -24,31 +22,23 @@ networks the share is at most 0.92 for painted reefs, and at least 0.96 in the v
 _FAR = 1e4
 
 
-def describe_pictures(net: ReefNet, pictures: NDArray[np.float32], batch: int = 16) -> NDArray[np.float32]:
-    """Return the descriptors of pictures, of `network_input`. Shape=(N, 4, H, W) to (N, D)."""
-    found = []
+def describe_picture(net: ReefNet, picture: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Return the descriptor of a picture, of `network_input`. Shape=(4, H, W) to (1, D)."""
     with torch.no_grad():
-        for start in range(0, len(pictures), batch):
-            found.append(net.features(torch.from_numpy(pictures[start : start + batch].astype(np.float32)))[1].numpy())
-    return np.concatenate(found)
+        return np.asarray(net.features(torch.from_numpy(picture[None].astype(np.float32)))[1].numpy())
 
 
 def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[PaintedReefs, ...], seed: int) -> None:
     """Let a network remember the pictures that it was trained on; see `remember`."""
-    of_real = [
-        describe_pictures(net, picture_input(rgb)[None]) for size in (None, (160, 120)) for rgb in _resized(real, size)
-    ]
     of_painted = [
-        describe_pictures(
-            net, np.concatenate([part.rgb[k].transpose(2, 0, 1) / 127.5 - 1.0, part.floor[k][None]])[None]
-        )
+        describe_picture(net, np.concatenate([part.rgb[k].transpose(2, 0, 1) / 127.5 - 1.0, part.floor[k][None]]))
         for part in reefs
         for k in range(0, len(part.rgb), max(1, 2 * len(part.rgb) // CENTRES))
     ]
     empty = np.zeros((0, net.middle.numel()), np.float32)
     remember(
         net,
-        np.concatenate([empty, *of_real]),
+        np.concatenate([empty, *_describe_real(net, real)]),
         np.array(2 * [one.video for one in real], np.str_),
         np.concatenate([empty, *of_painted]),
         seed,
@@ -58,18 +48,18 @@ def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[Painte
 def know_more(net: ReefNet, real: list[LabelledPicture], seed: int) -> None:
     """Let a network whose encoder stayed as it was remember some more real pictures, in place of others."""
     rng = np.random.default_rng([seed, 0xFB])
-    found = [
-        describe_pictures(net, picture_input(rgb)[None]) for size in (None, (160, 120)) for rgb in _resized(real, size)
-    ]
+    found = _describe_real(net, real)
     if found:
         at = (torch.from_numpy(np.concatenate(found)) - net.middle) @ net.axes
         some = rng.permutation(len(at))[: CENTRES // 2]
         net.centres[0, rng.permutation(CENTRES)[: len(some)]] = at[some]
 
 
-def _resized(real: list[LabelledPicture], size: tuple[int, int] | None) -> Iterator[NDArray[np.uint8]]:
-    for one in real:
-        yield one.rgb if size is None else np.asarray(cv2.resize(one.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+def _describe_real(net: ReefNet, real: list[LabelledPicture]) -> list[NDArray[np.float32]]:
+    """Describe all pictures as they are, then all as a small camera would take them."""
+    whole = [one.rgb for one in real]
+    small = [np.asarray(cv2.resize(rgb, (160, 120), interpolation=cv2.INTER_AREA), np.uint8) for rgb in whole]
+    return [describe_picture(net, picture_input(rgb)) for rgb in (*whole, *small)]
 
 
 def picture_input(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
