@@ -14,7 +14,7 @@ from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.world.scene import RECTANGLE, Scene
 from coral.reef.world.world import ReefWorld
 from coral.view.decisions import Try
-from coral.view.live.stream import Moment
+from coral.view.live.stream import Moment, Subject
 from coral.view.run import Record, RunFolder
 
 TITLES = {
@@ -39,7 +39,7 @@ HULL_Z_M = 0.5
 """Height of the drawn robot above the seabed."""
 
 
-class ReefSubject:
+class ReefSubject(Subject):
     """What is shown of one survey."""
 
     def __init__(self, run: RunFolder) -> None:
@@ -83,14 +83,6 @@ class ReefSubject:
         if all(map(math.isfinite, believed.values())):
             row = {**row, **believed}
         return [row.get(name, math.nan) for name in COLUMNS]
-
-    def tell(self, event: Record) -> Moment | None:
-        """Return what an event changes for a viewer."""
-        tell = getattr(self, f"_on_{event['event']}", None)
-        told: Moment | None = tell(event) if tell is not None else None
-        if told is not None:
-            told["numbers"] = self._numbers()
-        return told
 
     def _numbers(self) -> list[list[str]]:
         again = f" ({self._again} again)" if self._again else ""

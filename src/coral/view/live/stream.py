@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import IO, Any, Protocol
+from typing import IO, Any
 
 from coral.foreign_file import open_regular
 from coral.run_files import RunFiles
@@ -18,15 +19,24 @@ ROWS = 20_000
 Moment = dict[str, Any]
 
 
-class Subject(Protocol):
-    """What a viewer is told of one kind of run."""
+class Subject(ABC):
+    """What a viewer is told of one kind of run; its methods `_on_EVENT` tell what an event changes."""
 
     head: dict[str, Any]
     """What never changes: title, scene, curves."""
 
     def tell(self, event: Record) -> Moment | None:
         """Return what an event changes for a viewer; None if nothing."""
+        tell = getattr(self, f"_on_{event['event']}", None)
+        told: Moment | None = tell(event) if tell is not None else None
+        if told is not None:
+            told["numbers"] = self._numbers()
+        return told
 
+    @abstractmethod
+    def _numbers(self) -> list[list[str]]: ...
+
+    @abstractmethod
     def row(self, row: Mapping[str, float]) -> list[float]:
         """Return the numbers that the page needs of one row of a trajectory, time first."""
 

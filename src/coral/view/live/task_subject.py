@@ -13,7 +13,7 @@ from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.trial import Trial
 from coral.view.contact.replay import trial_of_run
-from coral.view.live.stream import Moment
+from coral.view.live.stream import Moment, Subject
 from coral.view.records import is_number
 from coral.view.run import Record, RunFolder
 
@@ -30,7 +30,7 @@ M_PER_N = 0.01
 RED, BLUE, GREEN = "#d6342c", "#195ae6", "#0a7d4f"
 
 
-class TaskSubject:
+class TaskSubject(Subject):
     """What is shown of one episode.
 
     Raises:
@@ -72,19 +72,14 @@ class TaskSubject:
         force = math.hypot(*(row.get(name, math.nan) for name in ("fx", "fy", "fz")))
         return [force if name == "force" else row.get(name, math.nan) for name in self._columns]
 
-    def tell(self, event: Record) -> Moment | None:
-        """Return what an event changes for a viewer."""
-        tell = getattr(self, f"_on_{event['event']}", None)
-        told: Moment | None = tell(event) if tell is not None else None
-        if told is not None:
-            cost, effective = self._plan.get("cost"), self._plan.get("ess")
-            told["numbers"] = [
-                ["stage", self._stage, ""],
-                ["cost of the plan", f"{cost:.2f}" if isinstance(cost, float) else "-", ""],
-                ["effective samples", f"{effective:.1f}" if isinstance(effective, float) else "-", ""],
-                ["advisor calls", str(self._calls), ""],
-            ]
-        return told
+    def _numbers(self) -> list[list[str]]:
+        cost, effective = self._plan.get("cost"), self._plan.get("ess")
+        return [
+            ["stage", self._stage, ""],
+            ["cost of the plan", f"{cost:.2f}" if isinstance(cost, float) else "-", ""],
+            ["effective samples", f"{effective:.1f}" if isinstance(effective, float) else "-", ""],
+            ["advisor calls", str(self._calls), ""],
+        ]
 
     def _on_start(self, event: Record) -> Moment:
         return {"line": f"the task: {event.get('instruction', '')}"}
