@@ -146,9 +146,9 @@ def test_a_clock_that_goes_back_and_a_pose_that_is_none_are_one_line(bags, tmp_p
         return message
 
     for name, change, said in (
-        ("back", back, "/odometry: found a time stamp of 5.500 s after one of 10.000 s"),
+        ("back", back, "/odometry: found a time stamp of 5.500 s after one of 10.000 s, expected one clock .* cut"),
         ("nowhere", nowhere, "/odometry: found a pose that is not finite"),
-        ("late", late, "found 5.500 s after 10.000 s, expected one clock that never goes back"),
+        ("late", late, r"found 5.500 s after 10.000 s, expected one clock that never goes back; cut the bag there"),
     ):
         path = copy_bag(bags / "patch_bag", tmp_path / name, change)
         with pytest.raises(InputError, match=said) as told:
@@ -289,3 +289,18 @@ def test_pictures_without_stamps_and_pictures_of_another_clock_are_named(bags, t
     path = copy_bag(bags / "patch_bag", tmp_path / "other", later)
     with pytest.raises(InputError, match=r"pictures from 1700000000\.0 to 1700000020\.0 s, poses from 0\.0 to 20\.0 s"):
         list(read_bag(path, BagTopics()).keyframes())
+
+
+def test_pictures_of_two_clocks_are_named_with_the_span_of_each(bags, tmp_path):
+    def depth_only(topic, t, message):
+        if topic == "/camera/depth/compressed":
+            message.header.stamp.sec += 1_700_000_000
+        return message
+
+    path = copy_bag(bags / "patch_bag", tmp_path / "two", depth_only)
+    with pytest.raises(InputError) as told:
+        list(read_bag(path, BagTopics()).keyframes())
+    assert "/camera/classes/compressed from 0.0 to 20.0 s, /camera/depth/compressed from 1700000000.0 to" in str(
+        told.value
+    )
+    assert "poses from 0.0 to 20.0 s, expected stamps of one clock" in str(told.value)

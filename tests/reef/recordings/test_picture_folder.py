@@ -46,6 +46,9 @@ def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
     ("text", "said"),
     [
         ("t,x\n0,1\n", "expected columns t, x, y, yaw"),
+        ("t,lat,lon\n0,1,2\n", "heading: found columns t, lat, lon without heading, expected the compass heading"),
+        ("t,x,y\n0,1,2\n", "yaw: found columns t, x, y without yaw, expected the direction of the camera"),
+        ("t;x;y;yaw\n0;4,4;2;0\n", "x: found '4,4', expected a decimal point, as in 4.4, not a decimal comma"),
         ("t,x,y,yaw\n", "found no rows"),
         ("t,x,y,yaw\n0,1,2\n", "line 2: found 3 fields, expected 4"),
         ("t,x,y,yaw\n0,1,2,north\n", "line 2: yaw: found 'north', expected a number"),

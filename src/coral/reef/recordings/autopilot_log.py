@@ -51,7 +51,7 @@ class LogTrack:
     @property
     def span(self) -> tuple[float, float]:
         """First and last time of a position."""
-        return self.position.times[0], self.position.times[-1]
+        return self.position.span
 
     def at(self, t: float) -> dict[str, float] | None:
         """Return the columns of `poses.csv` at a time, with z where the log has a range; None without a pose."""

@@ -23,7 +23,7 @@ from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
-from coral.reef.recordings.pose_track import NEAR_S
+from coral.reef.recordings.pose_track import NEAR_S, ClockBackError
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sea.lens import Lens
@@ -33,6 +33,8 @@ from coral.reef.world.geometry import Pose
 
 UPRIGHT = 0.5
 """Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""
+ONE_CLOCK = "one clock that never goes back; cut the bag there (`mcap filter`, `ros2 bag convert`, `rosbag filter`)"
+SAME_CLOCK = "stamps of one clock; shift those of one, or make a folder of the pictures with poses.csv"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +125,7 @@ def read_bag(
     def keyframes() -> Iterator[PosedFrame]:
         due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
         used: list[float] = []
-        for t, images in _moments(path, set(pictured), {topics.sonar}, where, cut=cut is not None):
+        for t, images in _moments(path, set(pictured), {topics.sonar}, where, track.odometry.span, cut=cut is not None):
             if topics.sonar in images:
                 assert hearing is not None
                 ping, cloud = hearing.hear(t, images[topics.sonar])
@@ -159,7 +161,7 @@ def read_bag(
         if omitted and not used:
             raise InputError(
                 where, "time", f"pictures from {min(omitted):.1f} to {max(omitted):.1f} s, poses from "
-                f"{track.odometry.times[0]:.1f} to {track.odometry.times[-1]:.1f} s", "stamps of one clock",
+                f"{track.odometry.times[0]:.1f} to {track.odometry.times[-1]:.1f} s", SAME_CLOCK,
             )  # fmt: skip
 
     name = path.stem if path.suffix else path.name
@@ -195,11 +197,12 @@ def _image(message: Any, where: str, name: str) -> NDArray[Any]:
 
 
 def _moments(
-    path: Path, pictures: set[str], others: set[str], where: str, *, cut: bool
+    path: Path, pictures: set[str], others: set[str], where: str, poses: tuple[float, float], *, cut: bool
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """Return the pictures of each moment, those with one time stamp, and every other message by itself.
 
-    The last moment of a `cut` file is left out: it may lack some.
+    `poses` are the times of the first and the last pose (s), for errors. The last moment of a `cut` file is left out:
+    it may lack some.
     """
     t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
     unstamped: set[str] = set()
@@ -220,7 +223,8 @@ def _moments(
             continue
         if images and t != t_open:
             if t < t_open - NEAR_S:
-                raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", "one clock that never goes back")
+                _refuse_apart(path, pictures, poses)
+                raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", ONE_CLOCK)
             yield t_open, images
             yield from later
             images, later = {}, []
@@ -228,6 +232,22 @@ def _moments(
     if images and not cut:
         yield t_open, images
     yield from later
+
+
+def _refuse_apart(path: Path, pictures: set[str], poses: tuple[float, float]) -> None:
+    """Refuse topics of pictures whose times have nothing in common; `poses` are the first and the last pose's (s).
+
+    Raises:
+        InputError: There are some.
+    """
+    times: dict[str, list[float]] = {}
+    for topic, message in read_messages(path, pictures, unfinished=True):
+        times.setdefault(topic, []).append(stamp_of(message))
+    spans = {topic: (min(found), max(found)) for topic, found in times.items()}
+    if max(begin for begin, _ in spans.values()) > min(end for _, end in spans.values()) + NEAR_S:
+        told = [f"{topic} from {begin:.1f} to {end:.1f} s" for topic, (begin, end) in sorted(spans.items())]
+        found = ", ".join([*told, f"poses from {poses[0]:.1f} to {poses[1]:.1f} s"])
+        raise InputError(str(path), "time", found, SAME_CLOCK)
 
 
 def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedCamera:
@@ -278,6 +298,8 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
                     contents.track.tree.add(one.header.frame_id, one.child_frame_id, at, t)
         except InputError:
             raise
+        except ClockBackError as error:
+            raise InputError(where, topic, error, ONE_CLOCK) from None
         except (AttributeError, ValueError) as error:
             raise InputError(where, topic, first_line(error), "messages of its usual kind, in order of time") from None
     return contents

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import re
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -29,6 +30,11 @@ GLOBAL = ("lat", "lon", "heading")
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
 FASTEST_M_S, FIX_M = 20.0, 30.0
 """No vehicle in the water is faster, and no fix of a satellite receiver is further off without being a bad one."""
+_TURNS = {
+    "heading": "the compass heading of the camera, in degrees from north; a position alone does not tell it",
+    "yaw": "the direction of the camera, in radians from east; a position alone does not tell it",
+}
+_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,12},\d{1,20}", re.ASCII)
 PICTURES = ("rgb", "depth", "labels", "doubt")
 """Columns of pictures; a run of a network has doubt."""
 
@@ -120,7 +126,9 @@ def read_rows(
         body.pop()  # the line that a killed run was writing
     place = next((names for names in places if set(names) <= set(header)), None)
     if place is None or "t" not in header:
-        raise InputError(where, "", f"columns {', '.join(header) or 'none'}", expected)
+        turn = next((last for *at, last in filter(None, places) if {"t", *at} <= set(header)), None)
+        columns = f"columns {', '.join(header) or 'none'}" + (f" without {turn}" if turn else "")
+        raise InputError(where, turn or "", columns, _TURNS.get(turn or "", expected))
     if not body:
         raise InputError(where, "", "no rows", "a row for each picture")
     texts = [name for name in PICTURES if name in header]
@@ -166,5 +174,8 @@ def _number(text: str, where: str, line: int, name: str) -> float:
         value = math.nan
     most = LATEST_S if name == "t" else LARGEST_NUMBER
     if not abs(value) <= most:
-        raise InputError(where, f"line {line}: {name}", repr(text)[:40], f"a number of at most {most:g}")
+        expected = f"a number of at most {most:g}"
+        if _DECIMAL_COMMA.fullmatch(text):
+            expected = f"a decimal point, as in {text.replace(',', '.')}, not a decimal comma: replace it in all lines"
+        raise InputError(where, f"line {line}: {name}", repr(text)[:40], expected)
     return value

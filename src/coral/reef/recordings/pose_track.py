@@ -19,6 +19,10 @@ _SAME_S = 1e-6
 Transform = NDArray[np.float64]
 
 
+class ClockBackError(ValueError):
+    """A time stamp that is older than the one before it by more than `NEAR_S`."""
+
+
 @dataclass
 class StampedTransforms:
     """Transforms in order of time."""
@@ -27,14 +31,19 @@ class StampedTransforms:
     transforms: list[Transform] = field(default_factory=list)
     gap_s: float = GAP_S
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time (s); there is one."""
+        return self.times[0], self.times[-1]
+
     def add(self, t: float, transform: Transform) -> None:
         """Add a transform, which may be up to `NEAR_S` older than the last one.
 
         Raises:
-            ValueError: It is older than that: the clock has been set back.
+            ClockBackError: It is older than that: the clock has been set back.
         """
         if self.times and t < self.times[-1] - NEAR_S:
-            raise ValueError(f"a time stamp of {t:.3f} s after one of {self.times[-1]:.3f} s")
+            raise ClockBackError(f"a time stamp of {t:.3f} s after one of {self.times[-1]:.3f} s")
         at = bisect.bisect_right(self.times, t)
         self.times.insert(at, t)
         self.transforms.insert(at, transform)
