@@ -1,14 +1,53 @@
-"""Calibrations as other tools write them, as the keys of a camera file: ROS's camera_calibration, and Kalibr."""
+"""Calibrations as other tools write them, as the keys of a camera file.
+
+ROS's camera_calibration, Kalibr, calib.io's calibrator (JSON), and OpenCV's FileStorage (YAML, XML or JSON).
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
-from coral.errors import InputError
+from coral.errors import InputError, first_line
+from coral.foreign_file import parse_json, read_text
+from coral.yaml_file import load_mapping
 
 MODELS = {"radtan": "plumb_bob", "equi": "equidistant", "fisheye": "equidistant", "none": "plumb_bob"}
 """Names that Kalibr and OpenCV have for what sensor_msgs/CameraInfo names otherwise."""
+MOUNT = ("pitch_down_deg", "altitude_m", "range_m", "near_m")
+"""Keys of a camera file that no calibration has: they may be added to it, at its top level."""
+CALIB_IO = {
+    "libCalib::CameraModelOpenCV": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tauX",
+        "tauY"),
+    "libCalib::CameraModelOpenCVFisheye": ("k1", "k2", "k3", "k4"),
+}  # fmt: skip
+"""Models of calib.io's calibrator that OpenCV has too, and their coefficients in OpenCV's order."""
+_OPENCV_YAML = re.compile(r"\A%YAML[: ][0-9.]+")
+"""OpenCV's first line, which is none of YAML."""
+
+
+def read_calibration(path: Path) -> dict[str, Any]:
+    """Read a camera file or a calibration of another tool, as keys of `CameraFileCfg`.
+
+    Raises:
+        InputError: It cannot be read, is neither YAML, JSON nor OpenCV's XML, or is a calibration that is not whole.
+    """
+    where = str(path)
+    text = read_text(path, "a camera file or a calibration")
+    if text.lstrip().startswith("<"):
+        return own_keys(_of_xml(text, where), where)
+    if text.lstrip().startswith("{"):
+        try:
+            content = parse_json(text)
+        except ValueError:
+            content = None  # YAML may begin with a brace, too
+        if isinstance(content, dict):
+            return own_keys(content, where)
+    text = _OPENCV_YAML.sub("", text).replace("!!opencv-matrix", "")
+    return own_keys(load_mapping(text, where), where)
 
 
 def own_keys(content: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -17,26 +56,97 @@ def own_keys(content: Mapping[str, Any], where: str) -> dict[str, Any]:
     Raises:
         InputError: It is a calibration of another tool, but not whole.
     """
-    if "camera_matrix" in content:
-        return _of_ros(content, where)
+    mount = {key: content[key] for key in MOUNT if key in content}
+    lower = {str(key).lower(): value for key, value in content.items()}
+    if "camera_matrix" in lower:  # OpenCV once wrote Camera_Matrix and image_Width
+        return {**_of_ros(lower, where), **mount}
+    if isinstance(lower.get("calibration"), Mapping) and "cameras" in lower["calibration"]:
+        return {**_of_calib_io(lower["calibration"]["cameras"], where), **mount}
     cameras = [name for name, value in content.items() if isinstance(value, Mapping) and "intrinsics" in value]
     if cameras:
         if len(cameras) > 1:
             raise InputError(where, "", f"the cameras {', '.join(cameras)}", "the one that took the pictures")
-        return _of_kalibr(content[cameras[0]], where, cameras[0])
+        return {**_of_kalibr(content[cameras[0]], where, cameras[0]), **mount}
     model = content.get("model")
     return {**content, "model": MODELS.get(model, model)} if isinstance(model, str) else dict(content)
 
 
 def _of_ros(content: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return the keys of a file of ROS's camera_calibration, or of one that OpenCV wrote, which names no model."""
     k = _numbers(content["camera_matrix"], where, "camera_matrix: data", 9)
     distortion = _numbers(content.get("distortion_coefficients", {"data": []}), where, "distortion_coefficients: data")
-    model = content.get("distortion_model", "plumb_bob")
+    usual = "plumb_bob" if len(distortion) <= 5 else "rational_polynomial"
+    model = content.get("distortion_model", "equidistant" if content.get("fisheye_model") else usual)
     return {
         "width": _given(content, "image_width", where), "height": _given(content, "image_height", where),
         "fx": k[0], "fy": k[4], "cx": k[2], "cy": k[5],
         "model": MODELS.get(model, model) if isinstance(model, str) else model, "distortion": distortion,
     }  # fmt: skip
+
+
+def _of_xml(text: str, where: str) -> dict[str, Any]:
+    """Return what OpenCV's FileStorage wrote as XML, as it would be in YAML."""
+    expected = "<opencv_storage> as OpenCV writes it, or a camera file (YAML)"
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise InputError(where, "", "XML with definitions of its own", expected)
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise InputError(where, "", f"broken XML ({first_line(error)})", expected) from None
+    if root.tag != "opencv_storage":
+        raise InputError(where, "", f"XML of <{root.tag[:40]}>", expected)
+    found: dict[str, Any] = {}
+    for node in root:
+        data = node.find("data")
+        words = ((node if data is None else data).text or "").split()
+        try:
+            numbers = [int(word) if word.isdecimal() else float(word) for word in words]
+        except ValueError:
+            continue  # a name or a date
+        found[node.tag] = {"data": numbers} if data is not None else numbers[0] if len(numbers) == 1 else None
+    return found
+
+
+def _of_calib_io(cameras: Any, where: str) -> dict[str, Any]:
+    """Return the keys of what calib.io's calibrator saves: `f`, and `ar` for fy / fx, among named parameters."""
+    field = "Calibration: cameras"
+    if not isinstance(cameras, list) or len(cameras) != 1:
+        found = f"{len(cameras)} cameras" if isinstance(cameras, list) else repr(cameras)[:40]
+        raise InputError(where, field, found, "one: save the camera that took the pictures by itself")
+    try:
+        model = cameras[0]["model"]
+        name, data = model["polymorphic_name"], model["ptr_wrapper"]["data"]
+        given = data["parameters"]
+        size = _size_in(data)
+        values = {key: float(one["val"]) for key, one in given.items() if isinstance(one, Mapping) and "val" in one}
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        found = f"no {error}" if isinstance(error, KeyError) else "one that is not whole"
+        raise InputError(where, f"{field}: 0: model", found, "what calib.io saves") from None
+    if name not in CALIB_IO:
+        found, kinds = repr(name)[:60], " or ".join(one.rpartition("::")[2] for one in CALIB_IO)
+        raise InputError(where, f"{field}: 0: model", found, f"{kinds}: calibrate with one of these models")
+    missing = [key for key in ("f", "cx", "cy") if key not in values]
+    if missing or size is None:
+        raise InputError(where, f"{field}: 0: model", f"no {missing[0] if missing else 'imageSize'}", "a number")
+    distortion = [values.get(key, 0.0) for key in CALIB_IO[name]]
+    if len(distortion) == 14:
+        plain = not any(distortion[5:])
+        kind, distortion = ("plumb_bob", distortion[:5]) if plain else ("rational_polynomial", distortion)
+    else:
+        kind = "equidistant"
+    return {
+        "width": size["width"], "height": size["height"], "fx": values["f"], "fy": values["f"] * values.get("ar", 1.0),
+        "cx": values["cx"], "cy": values["cy"], "model": kind, "distortion": distortion,
+    }  # fmt: skip
+
+
+def _size_in(data: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Return the size of the pictures, which each model keeps in a class below it; None without one."""
+    size = data.get("imageSize")
+    if isinstance(size, Mapping) and {"width", "height"} <= set(size):
+        return size
+    below = (_size_in(value) for value in data.values() if isinstance(value, Mapping))
+    return next((found for found in below if found is not None), None)
 
 
 def _of_kalibr(camera: Mapping[str, Any], where: str, name: str) -> dict[str, Any]:
@@ -55,7 +165,7 @@ def _of_kalibr(camera: Mapping[str, Any], where: str, name: str) -> dict[str, An
 
 def _given(content: Mapping[str, Any], key: str, where: str) -> Any:
     if key not in content:
-        raise InputError(where, key, "nothing", "the size of the pictures (px)")
+        raise InputError(where, key, "nothing", "the size of the pictures (px): add it to the file")
     return content[key]
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from coral.config import Positive, Signed, merge, read_yaml
+from coral.config import Positive, Signed, merge
 from coral.errors import InputError
-from coral.reef.sea.calibration_file import own_keys
+from coral.reef.sea.calibration_file import read_calibration
 from coral.reef.sea.lens import LARGEST_WIDTH, DistortionModel, Lens, Rectifier, check_lens, rectified_size
 from coral.reef.vehicle.camera import CameraCfg
 
@@ -100,7 +100,7 @@ def read_camera(path: Path, most_width: int = LARGEST_WIDTH) -> RecordedCamera:
         InputError: A key is unknown, a value is out of range, or field of view and focal lengths contradict.
     """
     where = str(path)
-    cfg = merge(CameraFileCfg(), own_keys(read_yaml(path), where), where)
+    cfg = merge(CameraFileCfg(), read_calibration(path), where)
     if (cfg.fx is None) != (cfg.fy is None):
         raise InputError(where, "fx, fy", "one without the other", "both")
     if cfg.fx is not None and cfg.hfov_deg is not None:
