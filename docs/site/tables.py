@@ -64,7 +64,7 @@ NAMED = {
     "metrics-task": ("key | what", "coral.contact.episode.metrics:DEFINITIONS"),
     "variants-task": ("variant | what", "coral.contact.episode.variants:WHAT"),
     "sweeps": ("key | what it changes", "coral.reef.mission.sweep:WHAT"),
-    "ends-survey": ("reason | what", "coral.reef.mission.end_reasons:END_REASONS"),
+    "ends-survey": ("reason | what", "coral.reef.mission.events:END_REASONS"),
     "codes-policy": ("code | what", "coral.contact.policy.client:CODES"),
     "ends-task": ("reason | what", "coral.contact.episode.end_reasons:END_REASONS"),
     "entry-points": ("group | the entry point is a", "coral.plugins:GROUPS"),

@@ -2,7 +2,7 @@ from pathlib import Path
 
 from coral.advisor.fallback import FOR_BENCHES, failed
 from coral.contact.episode.end_reasons import END_REASONS
-from coral.reef.mission.end_reasons import END_REASONS as REEF_END_REASONS
+from coral.reef.mission.events import END_REASONS as REEF_END_REASONS
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -13,7 +13,7 @@ from coral.reef.decide.answers import CentroidChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import shift_matrix
 from coral.reef.map.costfield import CostField
-from coral.reef.mission.end_reasons import END_REASONS
+from coral.reef.mission.events import END_REASONS
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg

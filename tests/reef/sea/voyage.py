@@ -12,7 +12,7 @@ from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.sonar_3d15 import Sonar3d15
-from coral.reef.mission.end_reasons import END_REASONS
+from coral.reef.mission.events import END_REASONS
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar

@@ -40,22 +40,14 @@ class ReefNetEyes:
 
     about: tuple[str, ...] = ()
 
-    def __init__(
-        self,
-        file: OnnxFile,
-        obstacle_from: float = OBSTACLE_FROM,
-        oyster_from: float | None = None,
-        *,
-        painted: bool = False,
-    ) -> None:
+    def __init__(self, file: OnnxFile, *, painted: bool = False) -> None:
         """Check the layout. Painted pictures need not be like real ones.
 
         Raises:
             InputError: The file has another layout.
         """
-        self.file, self.obstacle_from, self.oyster_from, self._painted = file, obstacle_from, oyster_from, painted
-        if oyster_from is None and file.metadata.get(OYSTER_FROM_KEY):
-            self.oyster_from = _share(file)
+        self.file, self._painted = file, painted
+        self.oyster_from = _share(file) if file.metadata.get(OYSTER_FROM_KEY) else None
         for name, channels in OUTPUTS.items():
             found = file.outputs.get(name)
             if found is None or len(found) != 4 or found[1] != channels:
@@ -87,7 +79,7 @@ class ReefNetEyes:
         rows, columns = slice(top, top + inner[1]), slice(left, left + inner[0])
         logits = np.ascontiguousarray(out["logits"][0, :, rows, columns])
         depth = out["depth"][0, 0, rows, columns]
-        labels, doubt = choose_labels(logits, self.obstacle_from, self.oyster_from)
+        labels, doubt = choose_labels(logits, OBSTACLE_FROM, self.oyster_from)
         if not same:
             full = (camera.width, camera.height)
             labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)

@@ -26,6 +26,7 @@ SHARE = 0.9
 """Of what is inspected when the tour counts as done (`oracle_ratio_90`)."""
 _CODE = (
     "mission/oracle",
+    "mission/tour",
     "pilot/stops",
     "vehicle/tour_kernels",
     "simulation/imaging",

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.map.mapping import distance_to
+from coral.reef.mission.tour import drive_path
 from coral.reef.pilot.stops import (
     Place,
     Sightings,
@@ -31,7 +32,6 @@ from coral.reef.pilot.stops import (
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
 from coral.reef.simulation.imaging_kernels import INSPECTED
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.vehicle.tour_kernels import follow
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.reachability import free_space, obstacle_outline
@@ -232,23 +232,14 @@ class _Planner:
             path.append(self._leg(at, (x, y)))
             at = x, y
             if math.isfinite(theta) or k == len(route) - 1:
-                driven = self._drive_along(np.concatenate(path), poses[-1])
+                spare = math.ceil(40.0 / self.dt)
+                driven = drive_path(np.concatenate(path), Pose(*poses[-1]), self.vehicle, self.dt, spare)
                 commands, poses = np.concatenate([commands, driven[0]]), np.concatenate([poses, driven[1]])
                 path = [poses[-1:, :2]]
             if math.isfinite(theta):
                 turned = self._turn(poses[-1], theta)
                 commands, poses = np.concatenate([commands, turned[0]]), np.concatenate([poses, turned[1]])
         return commands, poses
-
-    def _drive_along(
-        self, path: NDArray[np.float64], pose: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        speed, rate, dt = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s, self.dt
-        most = int(4.0 * len(path) * 0.05 / (speed * dt)) + math.ceil(40.0 / dt)
-        commands, poses = np.empty((most, 2)), np.empty((most, 3))
-        begin = (float(pose[0]), float(pose[1]), float(pose[2]))
-        n = follow(begin, path, speed, rate, dt, most, commands, poses)
-        return commands[:n], poses[:n]
 
     def _turn(self, pose: NDArray[np.float64], theta: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         turn = math.remainder(theta - float(pose[2]), 2.0 * math.pi)

@@ -61,9 +61,19 @@ def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, d
     for a, b in itertools.pairwise(points):
         n = max(1, math.ceil(math.dist(a, b) / 0.05))
         parts.append(a + (b - a) * np.arange(n)[:, None] / n)
-    path = np.concatenate([*parts, points[-1:]])
-    most = int(4.0 * len(path) * 0.05 / (vehicle.max_speed_m_s * dt)) + 200 * len(points)
-    commands, poses = np.zeros((most, 2)), np.zeros((most, 3))
-    begin = (start.x, start.y, start.theta)
+    return drive_path(np.concatenate([*parts, points[-1:]]), start, vehicle, dt, 200 * len(points))[0]
+
+
+def drive_path(
+    path: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float, spare: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Compute the drive along points (m) 0.05 m apart, Shape=(N, 2): commands, Shape=(K, 2), and the poses after them.
+
+    It ends after four times the ticks that its length takes at cruise speed, and `spare` more: whoever is not there
+    then never arrives.
+    """
+    most = int(4.0 * len(path) * 0.05 / (vehicle.max_speed_m_s * dt)) + spare
+    commands, poses = np.empty((most, 2)), np.empty((most, 3))
+    begin = (float(start.x), float(start.y), float(start.theta))
     n = follow(begin, path, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s, dt, most, commands, poses)
-    return commands[:n]
+    return commands[:n], poses[:n]

@@ -13,7 +13,7 @@ from coral.errors import InputError
 from coral.onnx_file import OnnxFile, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
-from coral.reef.networks.network_notes import NetworkNotes, read_notes
+from coral.reef.networks.network_notes import read_notes
 from coral.reef.networks.picture_input import IMAGENET
 from coral.reef.networks.pixel_check import CAMERA, depth_kind, shipped_picture
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
@@ -91,12 +91,11 @@ class DepthAnything:
     transformers names them `pixel_values` and `predicted_depth`, other exports `image` and `depth`.
     """
 
-    def __init__(self, file: OnnxFile, notes: NetworkNotes | None = None, size: tuple[int, int] = (252, 182)) -> None:
+    def __init__(self, file: OnnxFile, size: tuple[int, int] = (252, 182)) -> None:
         """Check the layout, and whether the network's map is relative or metric: larger is nearer, or farther.
 
         Args:
             file: The network.
-            notes: What is stated about it; None: as its files say.
             size: Width and height of its pictures where the file leaves them open (px), multiples of 14.
 
         Raises:
@@ -109,7 +108,7 @@ class DepthAnything:
             found = ", ".join(f"{name} {of}" for name, of in (*file.inputs.items(), *file.outputs.items()))
             expected = "a picture (1, 3, height, width) in, and one map of depth (1, height, width) out"
             raise InputError(file.path, "inputs, outputs", found, expected)
-        notes = read_notes(file) if notes is None else notes
+        notes = read_notes(file)
         self.pixels = notes.picture_input(IMAGENET)
         rgb, _ = shipped_picture()
         kind = depth_kind(self._map(rgb, CAMERA))

@@ -38,13 +38,12 @@ class SemanticEyes:
     Without it depth follows from the camera's height.
     """
 
-    def __init__(self, file: OnnxFile, notes: NetworkNotes | None = None, obstacle_from: float = OBSTACLE_FROM) -> None:
+    def __init__(self, file: OnnxFile, notes: NetworkNotes | None = None) -> None:
         """Tell the layout by metadata and shape together.
 
         Raises:
             InputError: They contradict each other, or no class is an oyster.
         """
-        self.obstacle_from = obstacle_from
         notes = read_notes(file) if notes is None else notes
         self.pixels = notes.picture_input(UNIT)
         if notes.task == "segment":
@@ -92,7 +91,7 @@ class SemanticEyes:
             doubt = np.full(labels.shape, UNSTATED_DOUBT, np.float32)
         else:
             logits = resize_channels(gather_labels(out[self._classes][0], self.table), camera)
-            labels, doubt = choose_labels(logits, self.obstacle_from)
+            labels, doubt = choose_labels(logits, OBSTACLE_FROM)
         if "depth" in out:
             depth = resize_channels(out["depth"][0], camera)[0]
         else:

@@ -39,15 +39,12 @@ def is_yolo(file: OnnxFile) -> bool:
 class YoloEyes:
     """Objects become oysters and obstacles; below the horizon the rest is sea floor, and depth follows from height."""
 
-    def __init__(
-        self, file: OnnxFile, notes: NetworkNotes | None = None, score: float = 0.25, overlap: float = 0.7
-    ) -> None:
+    def __init__(self, file: OnnxFile, notes: NetworkNotes | None = None) -> None:
         """Tell the layout by metadata and shape together.
 
         Raises:
             InputError: They contradict each other, or no class is an oyster.
         """
-        self.score, self.overlap = score, overlap
         notes = read_notes(file) if notes is None else notes
         self.pixels = notes.picture_input(UNIT)
         if notes.task == "semantic":
@@ -89,7 +86,7 @@ class YoloEyes:
         """
         box = Letterbox(camera.width, camera.height, *self.net_size)
         out = self.file.run(self.pixels.tensor(box.insert(rgb)))
-        found = decode(out[self._candidates][0], self.layout, self.score, self.overlap)
+        found = decode(out[self._candidates][0], self.layout)
         masks = draw_masks(found, out[self._prototypes][0], self.net_size)
         ground = ground_depth(camera, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
         labels = np.where(np.isfinite(ground), np.uint8(Label.SEABED), np.uint8(Label.WATER))
