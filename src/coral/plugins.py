@@ -56,6 +56,7 @@ OURS: dict[str, dict[str, str]] = {
     "coral.advisors": {"ros2": "coral.reef.ros.ros_advisor:make_ros"},
     "ros2": {
         "camera": "coral.reef.ros.ros_camera:RosCamera",
+        "lens": "coral.reef.ros.camera_info:stated_camera",
         "sonar": "coral.reef.ros.ros_sonar:RosSonar",
         "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },

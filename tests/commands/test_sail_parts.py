@@ -7,15 +7,18 @@ import pytest
 
 from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
-from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors
+from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors, with_lens
 from coral.errors import InputError
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.checklist import CheckLine
+from coral.reef.sea.lens import Lens
 from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.safety import SafetyCfg
+from coral.reef.vehicle.camera import CameraCfg
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
 
@@ -85,7 +88,7 @@ def test_camera_and_sonar_of_ros_get_the_vehicles_parameters(monkeypatch, vehicl
     given = {}
 
     def part(group, name, flag):
-        def make(*told):
+        def make(*told, **more):
             given[name] = told[-1]
             return SimpleNamespace(read=lambda: None, close=lambda: None, name=name, labelled=False)
 
@@ -98,6 +101,24 @@ def test_camera_and_sonar_of_ros_get_the_vehicles_parameters(monkeypatch, vehicl
     monkeypatch.setattr(sail_parts, "our_part", lambda *told: part(*told) if told[0] == "ros2" else real(*told))
     with opened(ReefSail(area="s1", vehicle=vehicle, camera="ros2:/image", sonar="ros2:/ranges")):
         assert given == {"camera": place, "sonar": place}
+
+
+def test_the_lens_of_a_topic_is_the_one_beside_it_unless_a_file_is_given(monkeypatch, tmp_path):
+    lens = Lens(width=640, height=480, fx=300.0, fy=300.0, cx=320.0, cy=240.0, distortion=(-0.3, 0.1, 0.0, 0.0))
+    stated = [RecordedCamera.of(lens, CameraCfg(), "x", 320), None]
+    monkeypatch.setattr(sail_parts, "our_part", lambda *told: lambda topic, mount, place: stated[0])
+    cfg, fit = with_lens(ReefSail(area="s1", camera="ros2:/image"), MissionCfg())
+    assert cfg.simulator.camera == stated[0].view
+    assert fit(np.zeros((480, 640, 3), np.uint8)).shape[1] == 320
+    stated[0] = None
+    for camera in ("ros2:/image", "dive.mp4"):
+        cfg, fit = with_lens(ReefSail(area="s1", camera=camera), MissionCfg())
+        assert cfg.simulator.camera == CameraCfg()
+        assert fit(np.zeros((480, 640, 3), np.uint8)).shape == (120, 160, 3)
+    file = tmp_path / "camera.yaml"
+    file.write_text("width: 64\nheight: 48\nhfov_deg: 70\n")
+    cfg, fit = with_lens(ReefSail(area="s1", camera="ros2:/image", lens=file), MissionCfg())
+    assert cfg.simulator.camera.hfov_deg == 70.0
 
 
 def test_the_configured_network_looks_at_the_cameras_pictures():

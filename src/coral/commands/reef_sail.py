@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -21,7 +20,7 @@ from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
 from coral.commands.render import list_made, render
 from coral.commands.sail_conduct import conduct
-from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors
+from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors, with_lens
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
@@ -31,18 +30,16 @@ from coral.flags import Argument, Option
 from coral.plugins import our_part
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import reef_advisor, with_camera, with_camera_latency, with_deadline, with_sonar
+from coral.reef.mission.resolution import reef_advisor, with_camera_latency, with_deadline, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment, blocking
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import prefer_process
-from coral.reef.sea.recorded_camera import read_camera
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
-from coral.reef.sea.video_camera import WIDEST_PX, Fit, resized
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import SurveyFiles
@@ -70,7 +67,8 @@ class ReefSail:
     """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), or
     from colour pictures, by the network of CORAL for real (rgb) or for painted ones (painted), or by one of yours."""
     lens: Path | None = None
-    """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified."""
+    """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified. By default the lens
+    that `camera_info` states beside ros2:TOPIC, or the configured one."""
     sonar: str = "none"
     """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
     (udp:ADDRESS:PORT with this computer's address on the sonar's network). ros2:TOPIC: a cloud of
@@ -146,10 +144,7 @@ class ReefSail:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
-        fit: Fit = partial(resized, camera=cfg.simulator.camera)
-        if self.lens is not None:
-            camera = read_camera(self.lens, WIDEST_PX)
-            cfg, fit = with_camera(cfg, camera.view), camera.picture
+        cfg, fit = with_lens(self, cfg)
         belief, landmarks, sim = None, LandmarkMap(), cfg.simulator
         if self.resume is not None:
             belief, _, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,6 +23,7 @@ from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import with_camera
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
@@ -29,12 +31,13 @@ from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSourc
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
+from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
-from coral.reef.sea.video_camera import Fit, VideoCamera
+from coral.reef.sea.video_camera import WIDEST_PX, Fit, VideoCamera, resized
 from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
 from coral.reef.simulation.stills import make_painter
@@ -134,6 +137,25 @@ class Parts:
         return None if found is None else found[1]
 
 
+def with_lens(flags: SailFlags, cfg: MissionCfg) -> tuple[MissionCfg, Fit]:
+    """Return the configuration with the lens of a real camera, and what makes its pictures those of its camera.
+
+    The lens is that of the camera file, or of the CameraInfo beside a topic; without both, as configured.
+
+    Raises:
+        InputError: The file or the lens cannot be used.
+    """
+    found: RecordedCamera | None = None
+    if flags.lens is not None:
+        found = read_camera(flags.lens, WIDEST_PX)
+    elif flags.camera.startswith("ros2:"):
+        topic, place = flags.camera.removeprefix("ros2:"), _ros_place(flags)
+        found = our_part("ros2", "lens", "--camera")(topic, cfg.simulator.camera, place)
+    if found is None:
+        return cfg, partial(resized, camera=cfg.simulator.camera)
+    return with_camera(cfg, found.view), found.picture
+
+
 @contextmanager
 def open_parts(
     flags: SailFlags,
@@ -174,10 +196,9 @@ def open_parts(
             )
         else:
             if flags.camera.startswith("ros2:"):
-                lens = None if flags.lens else cfg.simulator.camera
-                topic = flags.camera.removeprefix("ros2:")
+                topic, place, camera = flags.camera.removeprefix("ros2:"), _ros_place(flags), cfg.simulator.camera
                 source = our_part("ros2", "camera", "--camera")(
-                    topic, flags.camera_latency, fit, lens, _ros_place(flags)
+                    topic, flags.camera_latency, fit, camera, place, from_file=flags.lens is not None
                 )
             else:
                 source = VideoCamera(flags.camera, flags.camera_latency, fit)

@@ -80,6 +80,17 @@ def fake_type(name, flag=""):
     return lambda **fields: message(**fields)
 
 
+def info(**more):
+    """Make a CameraInfo of a lens without distortion, 90 degrees across."""
+    k = [4.0, 0.0, 3.5, 0.0, 4.0, 1.5, 0.0, 0.0, 1.0]
+    roi = {"x_offset": 0, "y_offset": 0, "width": 0, "height": 0}
+    fields = {
+        "width": 8, "height": 4, "distortion_model": "plumb_bob", "d": [0.0] * 5, "k": k, "p": [0.0] * 12, "roi": roi,
+        "binning_x": 0, "binning_y": 0,
+    }  # fmt: skip
+    return message(**{**fields, **more})
+
+
 def odometry(x=1.0, y=2.0, z=-1.5, yaw_half=(0.0, 1.0), frame="odom", stamp=5.0, speed=0.3, cov=0.0):
     """Make an odometry message."""
     covariance = [0.0] * 36
@@ -98,4 +109,4 @@ def odometry(x=1.0, y=2.0, z=-1.5, yaw_half=(0.0, 1.0), frame="odom", stamp=5.0,
     )
 
 
-__all__ = ["FakeNode", "Twist", "fake_type", "message", "odometry"]
+__all__ = ["FakeNode", "Twist", "fake_type", "info", "message", "odometry"]

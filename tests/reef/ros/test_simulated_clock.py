@@ -11,6 +11,7 @@ from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.ros import ros_sonar
 from coral.reef.ros.newest import OLD_S
 from coral.reef.ros.ros_camera import RosCamera
+from coral.reef.vehicle.camera import CameraCfg
 from coral.ros_node import RosNode
 
 pytestmark = pytest.mark.ros2
@@ -65,7 +66,7 @@ def test_what_is_seen_and_heard_is_as_old_as_it_is_by_the_simulators_clock(tmp_p
     file = tmp_path / "vehicle.yaml"
     file.write_text(f"/**:\n  ros__parameters:\n    use_sim_time: {str(with_clock).lower()}\n")
     with simulator():
-        seen = age_of(RosCamera("/clocked/camera/image", 0.0, lambda rgb: rgb, None, str(file)))
+        seen = age_of(RosCamera("/clocked/camera/image", 0.0, lambda rgb: rgb, CameraCfg(), str(file)))
         heard = age_of(ros_sonar.RosSonar("/clocked/ranges", SonarCfg(), str(file)))
     for age_s in (seen, heard):
         assert oldest_s - 1.0 < age_s < oldest_s
@@ -73,6 +74,6 @@ def test_what_is_seen_and_heard_is_as_old_as_it_is_by_the_simulators_clock(tmp_p
 
 def test_a_topic_without_a_slash_is_in_the_vehicles_namespace():
     with simulator():
-        camera = RosCamera("camera/image", 0.0, lambda rgb: rgb, None, "/clocked")
+        camera = RosCamera("camera/image", 0.0, lambda rgb: rgb, CameraCfg(), "/clocked")
         assert "8x4" in camera.name
         camera.close()

@@ -170,3 +170,4 @@ def test_a_simulators_clock_holds_for_vehicle_camera_and_sonar(tmp_path):
     with vehicle("--stamps-off", "3600", "--clock"):
         told = checked("--sonar", "ros2:/rov/ranges", place=file)
     assert told.returncode == 0, told.stderr
+    assert "lens of camera_info" in told.stderr

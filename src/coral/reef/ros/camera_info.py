@@ -1,0 +1,98 @@
+"""The lens that a camera states in the sensor_msgs/CameraInfo beside its pictures."""
+
+from __future__ import annotations
+
+import queue
+import time
+from typing import Any
+
+from coral.errors import InputError
+from coral.reef.sea.lens import Lens
+from coral.reef.sea.recorded_camera import RecordedCamera
+from coral.reef.sea.video_camera import WIDEST_PX
+from coral.reef.vehicle.camera import CameraCfg
+from coral.ros_node import RosNode, beside, ros_type
+
+FIRST_S, ALONE_S, LOOK_S = 10.0, 2.0, 0.2
+"""Longest wait for a CameraInfo; for one whose topic nobody publishes, beside pictures; and between two looks."""
+NAMES = {"": "plumb_bob", "fisheye": "equidistant"}
+"""Models by other names than those of sensor_msgs/distortion_models.hpp."""
+
+
+def info_topic(topic: str) -> str:
+    """Return the topic of the CameraInfo that belongs to pictures."""
+    return beside(topic.removesuffix("/compressed"), "camera_info")
+
+
+def lens_of(message: Any, topic: str) -> Lens | None:
+    """Return the lens of a CameraInfo for pictures of this topic; None if the camera is not calibrated.
+
+    K and D are of pictures as taken, P of those that image_proc has rectified. A binned picture, or one of a part of
+    the sensor, has its own size and principal point.
+    """
+    rectified = "rect" in topic.replace("/", "_").split("_")
+    fx, fy, cx, cy = (float(message.k[k]) for k in (0, 4, 2, 5))
+    if rectified and float(message.p[0]) > 0.0:
+        fx, fy, cx, cy = (float(message.p[k]) for k in (0, 5, 2, 6))
+    part = message.roi
+    width, height = int(part.width) or int(message.width), int(part.height) or int(message.height)
+    if fx == 0.0 or width <= 0 or height <= 0:
+        return None
+    across, down = max(int(message.binning_x), 1), max(int(message.binning_y), 1)
+    model: Any = message.distortion_model
+    return Lens(
+        width=width // across,
+        height=height // down,
+        fx=fx / across,
+        fy=fy / down,
+        cx=(cx - int(part.x_offset) + 0.5) / across - 0.5,
+        cy=(cy - int(part.y_offset) + 0.5) / down - 0.5,
+        model="plumb_bob" if rectified else NAMES.get(model, model),
+        distortion=() if rectified else tuple(float(each) for each in message.d),
+    )
+
+
+def camera_of(message: Any, topic: str, mount: CameraCfg) -> RecordedCamera | None:
+    """Return the camera that a CameraInfo states, mounted like another one; None if it is not calibrated.
+
+    Raises:
+        InputError: Its lens cannot be used.
+    """
+    lens = lens_of(message, topic)
+    return None if lens is None else RecordedCamera.of(lens, mount, info_topic(topic), WIDEST_PX)
+
+
+def stated_camera(topic: str, mount: CameraCfg, place: str = "", node: RosNode | None = None) -> RecordedCamera | None:
+    """Return the camera that is stated beside a topic of pictures; None if there is no lens of it.
+
+    Args:
+        topic: Of the pictures.
+        mount: Its tilt, height and range count.
+        place: The vehicle's namespace, or a file of ROS parameters.
+        node: Node to listen with; by default one of its own.
+
+    Raises:
+        InputError: There is no ROS 2, nobody publishes pictures there, or the lens cannot be used.
+    """
+    ros = node or RosNode("coral_camera_info", place, "--camera")
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    info = info_topic(topic)
+    try:
+        ros.node.create_subscription(
+            ros_type("sensor_msgs.msg.CameraInfo", "--camera"), info, heard.put, ros.qos("sensor")
+        )
+        begun, pictures_s = time.monotonic(), None
+        while (spent_s := time.monotonic() - begun) <= FIRST_S:
+            try:
+                return camera_of(heard.get(timeout=LOOK_S), topic, mount)
+            except queue.Empty:
+                pass
+            if pictures_s is None and ros.node.count_publishers(topic):
+                pictures_s = spent_s
+            if pictures_s is not None and spent_s - pictures_s > ALONE_S and not ros.node.count_publishers(info):
+                return None
+        if pictures_s is None:
+            raise InputError("--camera", "", f"no picture on {topic} in {FIRST_S:g} s", "a topic with pictures")
+        return None
+    finally:
+        ros.close()

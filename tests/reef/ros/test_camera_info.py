@@ -1,0 +1,102 @@
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.reef.ros import camera_info
+from coral.reef.ros.camera_info import camera_of, info_topic, lens_of, stated_camera
+from coral.reef.sea.lens import Lens
+from coral.reef.vehicle.camera import CameraCfg
+from reef.ros.fake_ros import FakeNode, fake_type, info
+
+RAW = "/front/image_raw"
+WIDE = {"distortion_model": "plumb_bob", "d": [-0.3, 0.1, 0.001, 0.002, 0.0]}
+
+
+@pytest.fixture(autouse=True)
+def types(monkeypatch):
+    monkeypatch.setattr(camera_info, "ros_type", fake_type)
+    for name in ("FIRST_S", "LOOK_S"):
+        monkeypatch.setattr(camera_info, name, 0.01)
+    monkeypatch.setattr(camera_info, "ALONE_S", 0.0)
+
+
+class Stating(FakeNode):
+    """A camera that states a lens as soon as somebody listens; None for one that is silent."""
+
+    def __init__(self, told=None, pictures=1):
+        super().__init__()
+        self.told, self.publishers = told, {RAW: pictures, "/front/camera_info": int(told is not None)}
+
+    def create_subscription(self, kind, topic, hear, qos):
+        if self.told is not None:
+            hear(self.told)
+
+
+def test_the_topic_beside_pictures():
+    assert info_topic(RAW) == info_topic(f"{RAW}/compressed") == "/front/camera_info"
+
+
+def test_a_lens_is_that_of_k_and_d():
+    assert lens_of(info(**WIDE), RAW) == Lens(
+        width=8, height=4, fx=4.0, fy=4.0, cx=3.5, cy=1.5, model="plumb_bob", distortion=(-0.3, 0.1, 0.001, 0.002, 0.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "model"),
+    [
+        ("plumb_bob", 5, "plumb_bob"),
+        ("", 0, "plumb_bob"),
+        ("rational_polynomial", 8, "rational_polynomial"),
+        ("equidistant", 4, "equidistant"),
+        ("fisheye", 4, "equidistant"),
+    ],
+)
+def test_models_are_named_as_in_sensor_msgs(name, count, model):
+    message = info(distortion_model=name, d=[0.01] * count)
+    assert lens_of(message, RAW).model == model
+    assert camera_of(message, RAW, CameraCfg()) is not None
+
+
+def test_rectified_pictures_are_of_p():
+    p = [5.0, 0.0, 3.0, 0.0, 0.0, 6.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    lens = lens_of(info(**WIDE, p=p), "/front/image_rect")
+    assert (lens.fx, lens.fy, lens.cx, lens.cy, lens.distortion) == (5.0, 6.0, 3.0, 1.0, ())
+
+
+def test_a_part_of_the_sensor_and_binned_pixels():
+    whole = info(width=16, height=8, k=[8.0, 0.0, 7.5, 0.0, 8.0, 3.5, 0.0, 0.0, 1.0], binning_x=2, binning_y=2)
+    assert lens_of(whole, RAW) == lens_of(info(d=[0.0] * 5), RAW)
+    whole.roi.x_offset, whole.roi.y_offset, whole.roi.width, whole.roi.height = 4, 2, 8, 4
+    lens = lens_of(whole, RAW)
+    assert (lens.width, lens.height, lens.cx, lens.cy) == (4, 2, 1.5, 0.5)
+
+
+@pytest.mark.parametrize("more", [{"k": [0.0] * 9}, {"width": 0}, {"height": 0}])
+def test_a_camera_without_calibration_has_no_lens(more):
+    assert stated_camera(RAW, CameraCfg(), node=Stating(info(**more))) is None
+
+
+def test_the_stated_camera_rectifies_and_keeps_its_mount():
+    k = [300.0, 0.0, 320.0, 0.0, 300.0, 240.0, 0.0, 0.0, 1.0]
+    node = Stating(info(**WIDE, width=640, height=480, k=k))
+    camera = stated_camera(RAW, CameraCfg(pitch_down_deg=30.0, altitude_m=1.5), node=node)
+    assert (camera.view.pitch_down_deg, camera.view.altitude_m, camera.view.width) == (30.0, 1.5, 320)
+    assert camera.picture(np.zeros((480, 640, 3), np.uint8)).shape == (camera.view.height, 320, 3)
+    with pytest.raises(ValueError, match="320x240"):
+        camera.picture(np.zeros((240, 320, 3), np.uint8))
+    assert node.closed
+
+
+def test_pictures_without_a_lens_beside_them_have_none():
+    assert stated_camera(RAW, CameraCfg(), node=Stating()) is None
+
+
+def test_a_topic_without_pictures_is_one_line():
+    with pytest.raises(InputError, match="no picture on /front/image_raw"):
+        stated_camera(RAW, CameraCfg(), node=Stating(pictures=0))
+
+
+def test_a_lens_that_cannot_be_used_is_one_line():
+    with pytest.raises(InputError, match=r"/front/camera_info: model: found 'unified'"):
+        stated_camera(RAW, CameraCfg(), node=Stating(info(distortion_model="unified")))
