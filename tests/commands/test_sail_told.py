@@ -1,8 +1,10 @@
+import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from coral.commands.sail_told import TOLD, survey_told, told
+from coral.commands.sail_told import TOLD, lens_told, survey_told, told
 
 
 @pytest.mark.parametrize(
@@ -46,3 +48,18 @@ def test_a_vehicle_without_a_way_is_told_of_once_a_minute_and_not_at_once():
         for t in (tick / 10.0 for second in failing for tick in range(10 * second, 10 * second + 10)):
             mission.record.listeners[0]({"event": "planner_failure", "t": t, "reason": "x"})
     assert [line.partition(" ")[0] for line in said] == ["0:20", "2:00", "3:00"]
+
+
+def test_the_lens_is_checked_under_way_in_another_process():
+    said, end = [], time.monotonic() + 30.0
+    with lens_told(Path("run"), said.append, str, after_s=0.0):
+        while not said and time.monotonic() < end:
+            time.sleep(0.02)
+    assert said == ["run"]
+
+
+def test_a_survey_that_ends_before_has_no_check():
+    said = []
+    with lens_told(Path("run"), said.append, str, after_s=30.0):
+        pass
+    assert said == []

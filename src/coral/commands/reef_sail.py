@@ -21,7 +21,7 @@ from coral.commands.reef_run import fulfilled
 from coral.commands.render import list_made, render
 from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors, with_lens
-from coral.commands.sail_told import survey_told
+from coral.commands.sail_told import lens_told, survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
 from coral.exit_code import ExitCode
@@ -218,6 +218,8 @@ class ReefSail:
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
+            if self.camera != "simulated":
+                shown.enter_context(lens_told(folder, self._say, our_part("lens", "check", "--camera")))
             result = conduct(mission, observers, words, first=first)
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")

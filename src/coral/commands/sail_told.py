@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
+import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, suppress
+from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
 
 from coral.reef.mission.events import place_told
@@ -16,6 +21,9 @@ TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "inst
 """Events that the operator is told of."""
 FENCED_S = 20.0
 """Without a safe motion for this long, the vehicle does not get away by itself soon; said again after each minute."""
+
+LENS_S = 60.0
+"""By then the pictures mostly tell whether they are of the stated lens, and little is lost with a wrong one."""
 
 
 class _Fenced:
@@ -60,6 +68,30 @@ def survey_told(
         yield
     finally:
         work.close(2.0)
+
+
+@contextmanager
+def lens_told(
+    folder: Path, say: Callable[[str], None], check: Callable[[Path], str], after_s: float = LENS_S
+) -> Iterator[None]:
+    """Say, a while after the beginning, what the check of the lens finds in the run so far; in a process of its own."""
+    ended = threading.Event()
+
+    def look() -> None:
+        if ended.wait(after_s):
+            return
+        with (
+            suppress(Exception),  # the check comes again after the survey
+            ProcessPoolExecutor(1, get_context("spawn"), os.nice, (19,)) as process,
+        ):
+            if line := process.submit(check, folder).result():
+                say(line)
+
+    threading.Thread(target=look, name="coral-lens", daemon=True).start()
+    try:
+        yield
+    finally:
+        ended.set()
 
 
 def told(event: Mapping[str, Any]) -> str:
