@@ -148,6 +148,8 @@ def test_beside_what_it_is_not_going_to_the_robot_first_turns_to_its_way():
     route.follow([Goal(x=10.0, y=14.0)], 0.0)
     route.update(0.1)
     assert route.turn_rad(field) == pytest.approx(math.pi / 2, abs=0.1)
+    belief.pose = Pose(8.9, 10.0, 0.0)
+    assert route.turn_rad(field) == 0.0  # from farther away the bow does not lead over it
     belief.pose = Pose(10.0, 10.0, math.pi / 2)
     assert route.turn_rad(field) == 0.0
     route.follow([dot(belief, 0)], 0.2)

@@ -43,7 +43,7 @@ LOOK_M = 3.0
 """A waypoint shows the water within this of it..."""
 EXPLORED_SHARE = 0.03
 """... and is done once no more than this share of it is unexplored, if there was more before."""
-BESIDE_M = 3.0
+REACHED_M = 3.0
 """How near to its aim the vehicle is beside it."""
 
 
@@ -254,7 +254,7 @@ class Route:
         aimed = aim(track.left, belief.pose, AIM_M)
         if math.dist(aimed, belief.goal) > HOLD_AIM_M:
             belief.goal = aimed
-        if math.dist(belief.goal, belief.pose[:2]) > BESIDE_M:
+        if math.dist(belief.goal, belief.pose[:2]) > REACHED_M:
             self._since = t
         if t - self._since > cfg.patience_s:
             belief.write_off(track.index)
