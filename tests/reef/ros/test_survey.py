@@ -35,13 +35,15 @@ def operator():
     from nav_msgs.msg import OccupancyGrid
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import String
+    from visualization_msgs.msg import Marker
 
     rclpy.init()
     node = rclpy.create_node("operator", namespace="/rov")
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.events, node.grids = [], []
+    node.events, node.grids, node.goals = [], [], []
     node.create_subscription(String, "coral/events", lambda m: node.events.append(json.loads(m.data)), 100)
     node.create_subscription(OccupancyGrid, "coral/map", node.grids.append, latched)
+    node.create_subscription(Marker, "coral/goal/marker", node.goals.append, latched)
     try:
         yield node
     finally:
@@ -86,16 +88,21 @@ def started(command):
         process.wait()
 
 
-def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path):
+@pytest.mark.parametrize(
+    ("word", "reason"),
+    [("stop", "stopped by the operator (ROS 2)"), ("home", "back at the start: the operator's word (ROS 2)")],
+)
+def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path, word, reason):
     words = ["--out", str(tmp_path / "run"), "--no-preflight", "--cfg.record.no-report", "--sonar", "ros2:/rov/ranges"]
     with vehicle(), operator() as node, started(sail(*words)) as process:
         call(node, "start")
         spin(node, lambda: any(event["event"] == "goal" for event in node.events), 60.0)
         spin(node, lambda: node.grids and {0, 100} <= set(node.grids[-1].data), 60.0)
-        call(node, "stop")
-        assert process.wait(60.0) == 0
+        spin(node, lambda: any((goal.ns, goal.action) == ("goal", 0) for goal in node.goals), 60.0)
+        call(node, word)
+        assert process.wait(120.0) == 0
     metrics = json.loads((tmp_path / "run/metrics.json").read_text())
-    assert metrics["end_reason"] == "stopped by the operator (ROS 2)"
+    assert metrics["end_reason"] == reason
     assert metrics["collisions"] == 0
     assert node.grids[-1].info.resolution == pytest.approx(MapCfg().cell_m)
 

@@ -8,7 +8,7 @@ from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED
 from coral.reef.ros import survey_topics
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.world.instruction import checked_words
-from reef.ros.fake_ros import FakeNode, fake_type
+from reef.ros.fake_ros import FakeNode, fake_type, message
 
 
 def test_a_grid_has_ros_values_row_by_row():
@@ -49,6 +49,24 @@ def test_the_instruction_is_a_topic_and_another_one_changes_it(monkeypatch):
     assert [m.data for topic, m in node.sent if topic == "coral/instruction"] == ["Find the net.", "Find the tyre."]
     (refused,) = [json.loads(m.data) for topic, m in node.sent if topic == "coral/events"]
     assert (refused["event"], "some words" in refused["reason"]) == ("instruction_refused", True)
+
+
+@pytest.mark.parametrize(("goal", "action"), [((3.0, 4.0), 0), (None, 2)])
+def test_the_goal_is_a_marker_that_goes_with_it(monkeypatch, goal, action):
+    def shape():
+        point, turn = {"x": 0.0, "y": 0.0, "z": 0.0}, {"z": 0.0, "w": 1.0}
+        header, color = {"frame_id": "", "stamp": 0.0}, {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.0}
+        return message(header=header, pose={"position": point, "orientation": turn}, scale=point, color=color)
+
+    made = dict.fromkeys(("visualization_msgs.msg.Marker", "geometry_msgs.msg.PoseStamped"), shape)
+    monkeypatch.setattr(survey_topics, "ros_type", lambda name: made.get(name) or fake_type(name))
+    node = FakeNode()
+    topics = survey_topics.SurveyTopics("", OperatorWords(), node=node)
+    topics._publish_goal(SimpleNamespace(belief=SimpleNamespace(goal=goal)))
+    topic, marker = node.sent[-1]
+    assert (topic, marker.ns, marker.action, marker.header.frame_id) == ("coral/goal/marker", "goal", action, "map")
+    assert (marker.pose.position.x, marker.pose.position.y) == (goal or (0.0, 0.0))
+    assert ("coral/goal" in dict(node.sent)) == (goal is not None)
 
 
 def test_a_survey_without_an_instruction_has_no_topic_to_change_it(monkeypatch):

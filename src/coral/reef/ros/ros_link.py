@@ -18,6 +18,7 @@ import time
 from dataclasses import replace
 from typing import Any, Literal
 
+from coral.reef.recordings.frame_tree import frame_name
 from coral.reef.ros.odometry import covariance_of, frame_fault, pose_of, velocity_of
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.ros_node import OtherClockError, RosNode, ros_type
@@ -47,6 +48,8 @@ class RosLink:
         self._seen = VehicleReport()
         self._arrived_s = self._commanded_s = -math.inf
         self._fault = ""
+        self.odom_frame = ""
+        """Frame of the odometry; "" until one is heard."""
         self._mode: Mode = "idle"
         self._command = (0.0, 0.0, 0.0)
         self._twist = ros_type("geometry_msgs.msg.Twist")
@@ -145,6 +148,7 @@ class RosLink:
 
     def _hear(self, message: Any) -> None:
         fault, found, velocity = frame_fault(message), pose_of(message), velocity_of(message)
+        self.odom_frame = frame_name(str(message.header.frame_id))
         try:
             stamp_s = self.ros.monotonic(message.header.stamp)
         except OtherClockError as error:

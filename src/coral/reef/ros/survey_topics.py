@@ -19,13 +19,15 @@ from numpy.typing import NDArray
 from coral.advisor.log import plain_json
 from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
+from coral.reef.recordings.frame_tree import MAP
+from coral.reef.ros.map_transform import MapTransform
+from coral.reef.ros.ros_link import RosLink
 from coral.reef.sea.operator import WORDS, OperatorWords
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.world.geometry import Pose
 from coral.ros_node import RosNode, ros_type
 
 PERIOD_S = 1.0
-FRAME = "map"
 START = {"arm": "start"}
 """The services are called as the operator's words, but for this one: `start` begins the survey."""
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
@@ -73,6 +75,8 @@ class SurveyTopics:
         self._path = make(self._types["nav_msgs.msg.Path"], "coral/path", latched)
         self._oysters = make(self._types["visualization_msgs.msg.MarkerArray"], "coral/oysters", latched)
         self._goal = make(self._types["geometry_msgs.msg.PoseStamped"], "coral/goal", latched)
+        self._goal_marker = make(self._types["visualization_msgs.msg.Marker"], "coral/goal/marker", latched)
+        self._transform = MapTransform(ros)
         self._events = make(self._types["std_msgs.msg.String"], "coral/events", 100)
         self._health = make(self._types["diagnostic_msgs.msg.DiagnosticArray"], "diagnostics", 10)
         if instruct is not None:
@@ -96,12 +100,15 @@ class SurveyTopics:
             self._instruction.publish(self._types["std_msgs.msg.String"](data=self._told))
         if run.pose is not None:
             self._trail.append(run.pose)
+            if run.report.pose is not None and isinstance(run.crew.link, RosLink):
+                self._transform.publish(run.crew.link.odom_frame, run.report.pose, run.pose)
         if time.monotonic() < self._due_s and not run.end_reason:
             return
         self._due_s = time.monotonic() + PERIOD_S
         self._publish_map(run)
         self._publish_path()
         self._publish_oysters(run)
+        self._publish_goal(run)
         self._publish_health(run)
 
     def stop_requested(self) -> str:
@@ -133,7 +140,7 @@ class SurveyTopics:
 
     def _headed(self, name: str) -> Any:
         message = self._types[name]()
-        message.header.frame_id, message.header.stamp = FRAME, self._ros.stamp()
+        message.header.frame_id, message.header.stamp = MAP, self._ros.stamp()
         return message
 
     def _publish_map(self, run: SeaMission) -> None:
@@ -168,8 +175,18 @@ class SurveyTopics:
             marker.color.r = 0.0 if track.visited else 0.9
             markers.append(marker)
         self._oysters.publish(self._types["visualization_msgs.msg.MarkerArray"](markers=markers))
+
+    def _publish_goal(self, run: SeaMission) -> None:
+        marker = self._headed("visualization_msgs.msg.Marker")
+        marker.ns, marker.type, marker.action = "goal", 2, 2  # a sphere; delete
         if run.belief.goal is not None:
             self._goal.publish(self._posed(*run.belief.goal, 0.0))
+            marker.action, (x, y) = 0, run.belief.goal
+            marker.pose.position.x, marker.pose.position.y = float(x), float(y)
+            marker.pose.orientation.w = 1.0
+            marker.scale.x = marker.scale.y = marker.scale.z = 0.5
+            marker.color.r, marker.color.b, marker.color.a = 0.9, 0.9, 0.9
+        self._goal_marker.publish(marker)
 
     def _publish_health(self, run: SeaMission) -> None:
         states, status = run.states, self._types["diagnostic_msgs.msg.DiagnosticStatus"]()
@@ -179,6 +196,7 @@ class SurveyTopics:
         status.message = run.end_reason or (f"{state}: {states.reason}" if states.reason else state)
         count = run.ticks.rate.count
         told = {"ticks": count.done, "late ticks": count.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
+        told["tf"] = self._transform.told
         status.values = [
             self._types["diagnostic_msgs.msg.KeyValue"](key=key, value=str(value)) for key, value in told.items()
         ]
