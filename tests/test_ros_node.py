@@ -1,7 +1,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.ros_node import beside, ros_type
+from coral.ros_node import beside, ros_type, ros_words
 
 
 def test_without_ros_the_flag_and_the_way_out_are_named():
@@ -12,3 +12,15 @@ def test_without_ros_the_flag_and_the_way_out_are_named():
 @pytest.mark.parametrize(("topic", "found"), [("/front/image", "/front/info"), ("image", "info"), ("/image", "/info")])
 def test_a_topic_beside_another_one(topic, found):
     assert beside(topic, "info") == found
+
+
+def test_a_place_is_a_namespace_and_files(tmp_path):
+    one, two = tmp_path / "one.yaml", tmp_path / "two.yml"
+    one.touch()
+    two.touch()
+    assert ros_words("", "--vehicle") == []
+    assert ros_words("bluerov2/", "--vehicle") == ["--ros-args", "-r", "__ns:=/bluerov2"]
+    words = ["--ros-args", "-r", "__ns:=/rov", "--params-file", str(one), "--params-file", str(two)]
+    assert ros_words(f"/rov,{one},{two}", "--vehicle") == words
+    with pytest.raises(InputError, match=r"--vehicle: found 'ros2:nowhere.yaml'|ros2:nowhere.yaml"):
+        ros_words("/rov,nowhere.yaml", "--vehicle")

@@ -1,25 +1,36 @@
 """A survey over ROS 2: ros2 launch coral_ros survey.launch.py area:=survey.yaml topic:=/rov/camera/image_raw."""
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, ExecuteProcess
-from launch.substitutions import LaunchConfiguration as Given
+from pathlib import Path
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+SIMULATION = Path(__file__).resolve().parents[1] / "config" / "simulation.yaml"
+DEFAULTS = {
+    "area": ("s1", "Survey file, or a reef to rehearse in."),
+    "vehicle": ("/bluerov2", "Namespace of the vehicle."),
+    "params_file": ("", "File of ROS parameters: names of topics, publish_tf."),
+    "use_sim_time": ("false", "true: the clock of a simulator (/clock)."),
+    "topic": ("/bluerov2/camera/image_raw", "Pictures."),
+    "perception": ("rgb", "Network that looks at them."),
+    "advisor": ("heuristic", "Who decides."),
+}
+
+
+def start(context: LaunchContext) -> list[ExecuteProcess]:
+    """Start `coral reef sail`."""
+    said = {name: LaunchConfiguration(name).perform(context) for name in DEFAULTS}
+    clock = str(SIMULATION) if said["use_sim_time"].lower() in ("true", "1") else ""
+    places = ",".join(filter(None, (said["vehicle"], said["params_file"], clock)))
+    command = ["coral", "reef", "sail", said["area"], "--vehicle", f"ros2:{places}"]
+    command += ["--camera", f"ros2:{said['topic']}", "--perception", said["perception"], "--advisor", said["advisor"]]
+    return [ExecuteProcess(cmd=command, output="screen")]
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Start `coral reef sail`; the service coral/start arms."""
-    defaults = {
-        "area": "s1",
-        "vehicle": "/bluerov2",
-        "topic": "/bluerov2/camera/image_raw",
-        "perception": "rgb",
-        "advisor": "heuristic",
-    }
-    command = ["coral", "reef", "sail", Given("area"), "--vehicle", ["ros2:", Given("vehicle")]]
-    command += ["--camera", ["ros2:", Given("topic")], "--perception", Given("perception")]
-    command += ["--advisor", Given("advisor")]
-    return LaunchDescription(
-        [
-            *(DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()),
-            ExecuteProcess(cmd=command, output="screen"),
-        ]
-    )
+    """Declare the arguments and start; the service coral/start arms."""
+    arguments = [
+        DeclareLaunchArgument(name, default_value=value, description=text) for name, (value, text) in DEFAULTS.items()
+    ]
+    return LaunchDescription([*arguments, OpaqueFunction(function=start)])

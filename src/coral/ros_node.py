@@ -39,13 +39,30 @@ def beside(topic: str, name: str) -> str:
     return f"{head}{slash}{name}"
 
 
+def ros_words(place: str, flag: str) -> list[str]:
+    """Return what ROS calls arguments, for the namespace and the files of parameters of a node.
+
+    Raises:
+        InputError: There is no such file.
+    """
+    words = []
+    for each in filter(None, place.split(",")):
+        if not each.endswith((".yaml", ".yml")):
+            words += ["-r", f"__ns:=/{each.strip('/')}"]
+        elif Path(each).is_file():
+            words += ["--params-file", each]
+        else:
+            raise InputError(flag, "", f"ros2:{each}", "a file of ROS parameters, or a namespace")
+    return ["--ros-args", *words] if words else []
+
+
 class RosNode:
     """A node with a thread that runs its callbacks.
 
     Args:
         name: Of the node.
-        place: A namespace such as /bluerov2, or a file of ROS parameters (.yaml), in which `use_sim_time` and the names
-            of topics may stand; "" for neither.
+        place: A namespace such as /bluerov2, a file of ROS parameters (.yaml), in which `use_sim_time` and the names of
+            topics may stand, or several of these with commas between; "" for none. The last file counts.
         flag: Flag to name in an error.
 
     Raises:
@@ -55,13 +72,8 @@ class RosNode:
     def __init__(self, name: str, place: str, flag: str) -> None:
         context = self.context = ros_type("rclpy.context.Context", flag)()
         self._rclpy, self._executors = importlib.import_module("rclpy"), importlib.import_module("rclpy.executors")
-        words = [] if not place else ["--ros-args", "-r", f"__ns:=/{place.strip('/')}"]
-        if place.endswith((".yaml", ".yml")):
-            if not Path(place).is_file():
-                raise InputError(flag, "", f"ros2:{place}", "a file of ROS parameters, or a namespace")
-            words = ["--ros-args", "--params-file", place]
         try:
-            self._rclpy.init(args=words, context=context)
+            self._rclpy.init(args=ros_words(place, flag), context=context)
             self.node = self._rclpy.create_node(
                 name, context=context, automatically_declare_parameters_from_overrides=True
             )
