@@ -1,14 +1,17 @@
 """What is a bag, and what is none."""
 
+import sqlite3
 import struct
 
 import pytest
 
-from coral.bag_reader import count_messages, is_bag, read_messages
+from coral.bag_reader import Bag, count_messages, is_bag, read_messages
 from coral.errors import InputError
 from test_foreign_file import within_limits
 
 pytest.importorskip("rosbags")
+
+from rosbags.typesys import Stores, get_typestore
 
 
 def test_a_suffix_or_a_table_of_contents_makes_a_bag(tmp_path):
@@ -74,3 +77,131 @@ def test_a_table_of_contents_is_read_with_limits(tmp_path):
     (tmp_path / "metadata.yaml").write_text("[" * 30_000)
     with pytest.raises(InputError, match=r"metadata\.yaml: line 1: found values nested more than 50 deep"):
         count_messages(tmp_path)
+
+
+def poses(count, store, **other):
+    """Return points, one a tenth of a second."""
+    types = store.types
+    for k in range(count):
+        stamp = types["builtin_interfaces/msg/Time"](sec=k // 10, nanosec=k % 10 * 100_000_000)
+        header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="odom", **other)
+        yield (
+            k * 100_000_000,
+            types["geometry_msgs/msg/PointStamped"](
+                header=header, point=types["geometry_msgs/msg/Point"](x=float(k), y=0.0, z=0.0)
+            ),
+        )
+
+
+def write_db3(path, count=2000):
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        topic = writer.add_connection("/at", "geometry_msgs/msg/PointStamped", typestore=store)
+        for t, message in poses(count, store):
+            writer.write(topic, t, store.serialize_cdr(message, "geometry_msgs/msg/PointStamped"))
+    return next(path.glob("*.db3"))
+
+
+def write_ros1(path, count=400, packing=None):
+    from rosbags.rosbag1 import Writer
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    writer = Writer(path)
+    writer.chunk_threshold = 2000
+    if packing:
+        writer.set_compression(Writer.CompressionFormat[packing])
+    with writer:
+        topic = writer.add_connection("/at", "geometry_msgs/msg/PointStamped", typestore=store)
+        words = writer.add_connection("/words", "std_msgs/msg/String", typestore=store)
+        for k, (t, message) in enumerate(poses(count, store, seq=0)):
+            writer.write(topic, t, store.serialize_ros1(message, "geometry_msgs/msg/PointStamped"))
+            if k % 100 == 50:  # not every chunk has these
+                said = store.types["std_msgs/msg/String"](data="x")
+                writer.write(words, t, store.serialize_ros1(said, "std_msgs/msg/String"))
+    return path
+
+
+def x_of(bag):
+    return [message.point.x for _, message in bag.read_messages({"/at"})]
+
+
+@pytest.mark.parametrize("packing", [None, "BZ2", "LZ4"])
+@pytest.mark.parametrize("part", [0.4, 0.6, 0.97])
+def test_what_is_whole_of_a_cut_ros_1_bag_is_read(tmp_path, packing, part):
+    whole = write_ros1(tmp_path / "whole.bag", packing=packing)
+    assert Bag(whole).remarks == ()
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes(whole.read_bytes()[: int(part * whole.stat().st_size)])
+    bag = Bag(cut)
+    found = x_of(bag)
+    assert found == [float(k) for k in range(len(found))]
+    assert (part - 0.4) * 400 < len(found) <= 400
+    assert bag.count_messages()["/at"] == len(found)
+    assert len(list(bag.read_messages({"/words"}))) == bag.count_messages().get("/words", 0)
+    assert f"{cut} has no end, unfinished or cut: its last" in bag.remarks[0]
+
+
+def test_a_ros_1_bag_that_its_recorder_did_not_finish_is_read(tmp_path):
+    whole = write_ros1(tmp_path / "whole.bag")
+    content = bytearray(whole.read_bytes())
+    at = content.index(b"index_pos=") + 10
+    index = int.from_bytes(content[at : at + 8], "little")
+    content[at : at + 8] = bytes(8)
+    path = tmp_path / "active.bag"
+    path.write_bytes(content[:index])
+    assert x_of(Bag(path)) == x_of(Bag(whole))
+
+
+@pytest.mark.parametrize("part", [0.3, 0.6, 0.95])
+def test_the_rows_before_the_cut_of_a_sqlite_bag_are_read(tmp_path, part):
+    whole = write_db3(tmp_path / "whole")
+    assert Bag(whole).remarks == ()
+    cut = tmp_path / "cut.db3"
+    cut.write_bytes(whole.read_bytes()[: int(part * whole.stat().st_size)])
+    bag = Bag(cut)
+    found = x_of(bag)
+    assert found == [float(k) for k in range(len(found))]
+    assert (part - 0.25) * 2000 < len(found) < 2000
+    assert f"{len(found)} messages were read" in bag.remarks[0]
+    with pytest.raises(InputError, match=r'cut\.db3: found .*, expected a whole one: `sqlite3 FILE "\.recover"'):
+        count_messages(cut)
+
+
+def test_the_cut_part_of_a_split_bag_is_named(tmp_path):
+    write_db3(tmp_path / "bag")
+    first = next((tmp_path / "bag").glob("*.db3"))
+    write_db3(tmp_path / "other").rename(tmp_path / "bag" / "bag_1.db3")
+    first.write_bytes(first.read_bytes()[: first.stat().st_size * 6 // 10])
+    known = tmp_path / "bag" / "metadata.yaml"
+    known.write_text(known.read_text().replace("- bag.db3", "- bag.db3\n  - bag_1.db3"))
+    bag = Bag(tmp_path / "bag")
+    assert len(bag.remarks) == 1
+    assert str(first) in bag.remarks[0]
+    assert 2000 < len(x_of(bag)) < 4000
+
+
+def test_cut_files_of_which_nothing_is_whole_name_the_next_step(tmp_path):
+    whole = write_ros1(tmp_path / "whole.bag").read_bytes()
+    for content, said in ((whole[:5000], "rosbag reindex FILE"), (whole[:10], "ROS bag")):
+        (tmp_path / "cut.bag").write_bytes(content)
+        with pytest.raises(InputError, match=said) as told:
+            Bag(tmp_path / "cut.bag").count_messages()
+        assert "\n" not in str(told.value)
+    db3 = write_db3(tmp_path / "db3").read_bytes()
+    (tmp_path / "cut.db3").write_bytes(db3[:4096])
+    with pytest.raises(InputError, match=r"\.recover") as told:
+        Bag(tmp_path / "cut.db3").count_messages()
+    assert "\n" not in str(told.value)
+
+
+def test_a_cut_sqlite_bag_whose_tables_compute_is_refused(tmp_path):
+    path = write_db3(tmp_path / "bag")
+    with sqlite3.connect(path) as base:
+        base.execute("ALTER TABLE topics RENAME TO kept")
+        base.execute("CREATE VIEW topics AS SELECT * FROM kept")
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) * 8 // 10])
+    with pytest.raises(InputError, match="topics: found a view, expected a table"):
+        Bag(path)

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from pathlib import Path
-from typing import Any, cast
+from pathlib import Path, PurePath
+from typing import Any
 
 from coral.errors import InputError, first_line, install_extra
-from coral.foreign_file import check_tables, open_regular, read_head, read_text
+from coral.foreign_file import check_tables, read_head, read_text
 from coral.limits import CHUNK_BYTES
-from coral.unfinished_mcap import UnfinishedMcap, whole_bytes
+from coral.unfinished_bag import is_cut, mend
 from coral.yaml_file import load_mapping
 
 FILES = (".mcap", ".db3", ".bag")
 """MCAP, SQLite of ROS 2, and ROS 1."""
+EXPECTED = "a ROS bag or an MCAP file"
 _MENDS = {
     "File end magic is invalid.": (
         "a file without an end, unfinished or cut",
@@ -26,8 +27,14 @@ _MENDS = {
         "an MCAP file of other messages",
         "messages of ROS 2 (profile ros2), or a folder of pictures with poses.csv",
     ),
+    "Bag is not indexed": ("a ROS 1 bag without an index, unfinished or cut", "a whole one: `rosbag reindex FILE`"),
+    "Bag index looks damaged": ("a ROS 1 bag without its end, cut", "a whole one: `rosbag reindex FILE`"),
+    "Cannot open database": (
+        "a damaged SQLite file",
+        'a whole one: `sqlite3 FILE ".recover" | sqlite3 NEW.db3`',
+    ),
 }
-"""What the library says, and what it means for who has the file."""
+"""How what the library says begins, and what it means for who has the file."""
 
 
 def is_bag(path: Path) -> bool:
@@ -42,25 +49,60 @@ def _loose_files(path: Path) -> list[Path]:
     return sorted(one for one in path.iterdir() if one.suffix in (".mcap", ".db3"))
 
 
-def bytes_cut(path: Path) -> int | None:
-    """Return how many bytes at the end of MCAP files are no whole record; None where each file has its end."""
-    cut = list[int]()
-    for part in path.glob("*.mcap") if path.is_dir() else [path]:
-        with open_regular(part) as file:
-            whole = whole_bytes(file)
-            if whole is not None:
-                cut.append(file.seek(0, os.SEEK_END) - whole)
-    return sum(cut) if cut else None
+class Bag:
+    """A bag that is read several times, with what is whole of files that have no end."""
+
+    def __init__(self, path: Path) -> None:
+        """Look for the ends of a bag's files.
+
+        Raises:
+            InputError: rosbags is not installed, or a file may not be read.
+        """
+        _library(path)
+        self._path, self.where = path, str(path)
+        self._folder = tempfile.TemporaryDirectory(prefix="coral-bag-")
+        files = _files(path)
+        for file in files:
+            read_head(file, EXPECTED)
+        mended = {file: found for file in files if (found := mend(file, Path(self._folder.name)))}
+        self._parts = [mended[file].path if file in mended else file for file in files] if mended else None
+        self.remarks = tuple(found.told for found in mended.values())
+        """What the user should know of files without an end."""
+
+    def count_messages(self) -> dict[str, int]:
+        """Return the number of messages on each topic.
+
+        Raises:
+            InputError: It is no bag.
+        """
+        with _opened(self._path, self._parts) as reader:
+            return _counts(reader)
+
+    def read_messages(self, wanted: set[str]) -> Iterator[tuple[str, Any]]:
+        """Return topic and message of all messages on some topics, in order of time, one after the other.
+
+        Raises:
+            InputError: It is no bag, or a message is damaged.
+        """
+        with _opened(self._path, self._parts) as reader:
+            yield from _messages(reader, self._path, wanted)
 
 
-def count_messages(path: Path, *, unfinished: bool = False) -> dict[str, int]:
-    """Return the number of messages on each topic; `unfinished` takes what is whole of MCAP files without an end.
+def count_messages(path: Path) -> dict[str, int]:
+    """Return the number of messages on each topic.
 
     Raises:
         InputError: It is no bag, or rosbags is not installed.
     """
-    with _opened(path, unfinished=unfinished) as reader:
-        return {one.topic: one.msgcount for one in reader.connections}
+    with _opened(path) as reader:
+        return _counts(reader)
+
+
+def _counts(reader: Any) -> dict[str, int]:
+    found = dict[str, int]()
+    for one in reader.connections:  # each part of a bag has its own
+        found[one.topic] = found.get(one.topic, 0) + one.msgcount
+    return found
 
 
 def message_types(path: Path) -> dict[str, str]:
@@ -73,29 +115,31 @@ def message_types(path: Path) -> dict[str, str]:
         return {one.topic: one.msgtype for one in reader.connections}
 
 
-def read_messages(path: Path, wanted: set[str], *, unfinished: bool = False) -> Iterator[tuple[str, Any]]:
+def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
     """Return topic and message of all messages on some topics, in order of time, one after the other.
-
-    `unfinished` takes what is whole of MCAP files without an end.
 
     Raises:
         InputError: It is no bag, a message is damaged, or rosbags is not installed.
     """
-    with _opened(path, unfinished=unfinished) as reader:
-        connections = [one for one in reader.connections if one.topic in wanted]
-        if not connections:
-            return
-        try:
-            for connection, _, raw in reader.messages(connections=connections):
-                try:
-                    message = reader.deserialize(raw, connection.msgtype)
-                except Exception as error:  # a damaged message: the library has no common class for this
-                    raise InputError(str(path), connection.topic, first_line(error), "a whole message") from None
-                yield connection.topic, message
-        except InputError:
-            raise
-        except Exception as error:  # damaged bytes: no common class either
-            raise InputError(str(path), "", first_line(error), "a whole file") from None
+    with _opened(path) as reader:
+        yield from _messages(reader, path, wanted)
+
+
+def _messages(reader: Any, path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
+    connections = [one for one in reader.connections if one.topic in wanted]
+    if not connections:
+        return
+    try:
+        for connection, _, raw in reader.messages(connections=connections):
+            try:
+                message = reader.deserialize(raw, connection.msgtype)
+            except Exception as error:  # a damaged message: the library has no common class for this
+                raise InputError(str(path), connection.topic, first_line(error), "a whole message") from None
+            yield connection.topic, message
+    except InputError:
+        raise
+    except Exception as error:  # damaged bytes: no common class either
+        raise InputError(str(path), "", first_line(error), "a whole file") from None
 
 
 def stamp_of(message: Any) -> float:
@@ -104,23 +148,32 @@ def stamp_of(message: Any) -> float:
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
 
 
-@contextmanager
-def _opened(path: Path, *, unfinished: bool = False) -> Iterator[Any]:
+def _library(path: Path) -> Any:
+    """Return the class that reads bags, which unpacks no more than a chunk holds.
+
+    Raises:
+        InputError: rosbags is not installed.
+    """
     try:
         from rosbags.highlevel import AnyReader, anyreader
         from rosbags.rosbag1 import reader as rosbag1
         from rosbags.rosbag2 import storage_mcap
-        from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
-    _refuse_odd_files(path)
     _bound_chunks(storage_mcap, rosbag1)
     _remember_definitions(anyreader)
+    return AnyReader
+
+
+@contextmanager
+def _opened(path: Path, parts: list[Any] | None = None) -> Iterator[Any]:
+    """Open a bag; `parts` are what to open in place of its files, where some have no end."""
+    make = _library(path)
+    from rosbags.typesys import Stores, get_typestore
+
+    _refuse_odd_files(path, parts)
     try:
-        parts = _loose_files(path) or [path]
-        if unfinished:
-            parts = [cast(Path, UnfinishedMcap(part)) if part.suffix == ".mcap" else part for part in parts]
-        reader = AnyReader(parts, default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader = make(parts or _loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
     except Exception as error:  # damaged bytes raise all kinds
         raise _cannot_open(path, error) from None
@@ -133,30 +186,46 @@ def _opened(path: Path, *, unfinished: bool = False) -> Iterator[Any]:
 def _cannot_open(path: Path, error: Exception) -> InputError:
     # The library's own checks are assertions and failed conversions, whose texts say nothing of the file.
     told = "damaged bytes" if isinstance(error, AssertionError | TypeError | LookupError) else first_line(error)
-    found, expected = _MENDS.get(first_line(error), (told, "a ROS bag or an MCAP file"))
+    found, expected = next((said for start, said in _MENDS.items() if told.startswith(start)), (told, EXPECTED))
     return InputError(str(path), "", found, expected)
 
 
-def _refuse_odd_files(path: Path) -> None:
+def _refuse_odd_files(path: Path, parts: list[Any] | None) -> None:
     """Check what the library opens without limits: its files, the table of contents, compression of messages.
 
     Raises:
         InputError: A file is no regular one, or may not be read.
     """
-    expected = "a ROS bag or an MCAP file"
-    if not path.is_dir():
-        read_head(path, expected)
-        return
-    known = path / "metadata.yaml"
-    contents = load_mapping(read_text(known, expected), str(known)) if known.exists() else {}
-    about = contents.get("rosbag2_bagfile_information")
-    if isinstance(about, dict) and str(about.get("compression_mode", "")).lower() == "message":
+    contents = _metadata(path)
+    if str(contents.get("compression_mode", "")).lower() == "message":
         raise InputError(str(path), "compression_mode", "message", "a bag without it (`ros2 bag convert`)")
-    for file in path.iterdir():
+    for file in parts or (path.iterdir() if path.is_dir() else [path]):
         if file.suffix == ".db3":
+            if is_cut(file):  # SQLite itself may take what is missing for zeros
+                raise InputError(str(file), "", *_MENDS["Cannot open database"])
             check_tables(file, "messages", "topics")
         elif not file.is_dir():
-            read_head(file, expected)
+            read_head(Path(str(file)), EXPECTED)
+
+
+def _metadata(path: Path) -> dict[str, Any]:
+    """Return what a ROS 2 bag's table of contents says; {} without one."""
+    known = path / "metadata.yaml"
+    if not known.exists():
+        return {}
+    about = load_mapping(read_text(known, EXPECTED), str(known)).get("rosbag2_bagfile_information")
+    return about if isinstance(about, dict) else {}
+
+
+def _files(path: Path) -> list[Path]:
+    """Return the files of a bag, in order; [] where some are compressed."""
+    if not path.is_dir():
+        return [path]
+    names = _metadata(path).get("relative_file_paths")
+    if not isinstance(names, list):
+        return _loose_files(path)
+    files = [path / PurePath(str(name)).name for name in names]
+    return files if all(file.suffix in FILES and file.is_file() for file in files) else []
 
 
 def _remember_definitions(anyreader: Any) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import bytes_cut, count_messages, read_messages, stamp_of
+from coral.bag_reader import Bag, stamp_of
 from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
@@ -90,8 +90,9 @@ def read_bag(
     Raises:
         InputError: It is no bag, or something in it is missing or wrong. Pictures are checked when they are read.
     """
-    where = str(path)
-    contents = _collect(path, topics)
+    bag = Bag(path)
+    where = bag.where
+    contents = _collect(bag, topics)
     if not contents.track.odometry.times:
         raise InputError(where, topics.odometry, "no messages", f"nav_msgs/Odometry; {_known(contents)}")
     kinds = {
@@ -111,21 +112,19 @@ def read_bag(
     def mount_at(t: float) -> NDArray[np.float64] | None:
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
-    remarks = list[str]()
-    if (cut := bytes_cut(path)) is not None:
-        remarks.append(f"{where} has no end, unfinished or cut: its last {cut} bytes were left out, the rest was read")
+    remarks = list(bag.remarks)
     if (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
         remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
     cfg = cfg or MapCfg()
     if contents.cell_m is not None:
         cfg = replace(cfg, cell_m=contents.cell_m)
     omitted: set[float] = set()
-    hearing = open_sonar(path, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
+    hearing = open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
 
     def keyframes() -> Iterator[PosedFrame]:
         due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
         used: list[float] = []
-        for t, images in _moments(path, set(pictured), {topics.sonar}, where, track.odometry.span, cut=cut is not None):
+        for t, images in _moments(bag, set(pictured), {topics.sonar}, track.odometry.span):
             if topics.sonar in images:
                 assert hearing is not None
                 ping, cloud = hearing.hear(t, images[topics.sonar])
@@ -197,22 +196,22 @@ def _image(message: Any, where: str, name: str) -> NDArray[Any]:
 
 
 def _moments(
-    path: Path, pictures: set[str], others: set[str], where: str, poses: tuple[float, float], *, cut: bool
+    bag: Bag, pictures: set[str], others: set[str], poses: tuple[float, float]
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """Return the pictures of each moment, those with one time stamp, and every other message by itself.
 
-    `poses` are the times of the first and the last pose (s), for errors. The last moment of a `cut` file is left out:
-    it may lack some.
+    `poses` are the times of the first and the last pose (s), for errors. The last moment of a bag without
+    an end is left out: it may lack some.
     """
     t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
     unstamped: set[str] = set()
-    for topic, message in read_messages(path, pictures | others, unfinished=True):
+    for topic, message in bag.read_messages(pictures | others):
         try:
             t = stamp_of(message)
         except AttributeError as error:
-            raise InputError(where, topic, first_line(error), "messages with a time stamp") from None
+            raise InputError(bag.where, topic, first_line(error), "messages with a time stamp") from None
         if t == 0.0 and topic in unstamped:
-            raise InputError(where, topic, "messages without time stamps (all 0)", "stamps of when each was taken")
+            raise InputError(bag.where, topic, "messages without time stamps (all 0)", "stamps of when each was taken")
         if t == 0.0:  # once it may be the beginning of a simulation
             unstamped.add(topic)
         if topic not in pictures:
@@ -223,31 +222,31 @@ def _moments(
             continue
         if images and t != t_open:
             if t < t_open - NEAR_S:
-                _refuse_apart(path, pictures, poses)
-                raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", ONE_CLOCK)
+                _refuse_apart(bag, pictures, poses)
+                raise InputError(bag.where, topic, f"{t:.3f} s after {t_open:.3f} s", ONE_CLOCK)
             yield t_open, images
             yield from later
             images, later = {}, []
         t_open, images[topic] = t, message
-    if images and not cut:
+    if images and not bag.remarks:
         yield t_open, images
     yield from later
 
 
-def _refuse_apart(path: Path, pictures: set[str], poses: tuple[float, float]) -> None:
+def _refuse_apart(bag: Bag, pictures: set[str], poses: tuple[float, float]) -> None:
     """Refuse topics of pictures whose times have nothing in common; `poses` are the first and the last pose's (s).
 
     Raises:
         InputError: There are some.
     """
     times: dict[str, list[float]] = {}
-    for topic, message in read_messages(path, pictures, unfinished=True):
+    for topic, message in bag.read_messages(pictures):
         times.setdefault(topic, []).append(stamp_of(message))
     spans = {topic: (min(found), max(found)) for topic, found in times.items()}
     if max(begin for begin, _ in spans.values()) > min(end for _, end in spans.values()) + NEAR_S:
         told = [f"{topic} from {begin:.1f} to {end:.1f} s" for topic, (begin, end) in sorted(spans.items())]
         found = ", ".join([*told, f"poses from {poses[0]:.1f} to {poses[1]:.1f} s"])
-        raise InputError(str(path), "time", found, SAME_CLOCK)
+        raise InputError(bag.where, "time", found, SAME_CLOCK)
 
 
 def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedCamera:
@@ -271,11 +270,10 @@ def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedC
     return replace(camera, view=replace(camera.view, pitch_down_deg=round(down, 9)))
 
 
-def _collect(path: Path, topics: BagTopics) -> _Contents:
-    contents, where = _Contents(), str(path)
-    contents.counts = count_messages(path, unfinished=True)
+def _collect(bag: Bag, topics: BagTopics) -> _Contents:
+    contents, where = _Contents(counts=bag.count_messages()), bag.where
     wanted = {topics.odometry, topics.camera_info, topics.map, topics.seen_by, "/tf", "/tf_static"}
-    for topic, message in read_messages(path, wanted, unfinished=True):
+    for topic, message in bag.read_messages(wanted):
         try:
             if topic == topics.odometry:
                 _take_odometry(contents.track, message)

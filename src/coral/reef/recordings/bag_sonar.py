@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import read_messages
+from coral.bag_reader import Bag
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name
@@ -60,7 +59,7 @@ class BagSonar:
 
 
 def open_sonar(
-    path: Path,
+    bag: Bag,
     topic: str,
     track: BodyTrack,
     camera_mount: Callable[[float], NDArray[np.float64] | None],
@@ -71,12 +70,12 @@ def open_sonar(
     Raises:
         InputError: Nobody knows where on the vehicle the sonar is.
     """
-    frame = frame_name(str(next(read_messages(path, {topic}, unfinished=True))[1].header.frame_id))
+    frame = frame_name(str(next(bag.read_messages({topic}))[1].header.frame_id))
     mount = track.tree.first(track.child, frame)
     if mount is None:
-        raise InputError(str(path), "/tf, /tf_static", f"no chain from {track.child} to {frame or 'the sonar'}", "one")
+        raise InputError(bag.where, "/tf, /tf_static", f"no chain from {track.child} to {frame or 'the sonar'}", "one")
     down = math.asin(max(-1.0, min(1.0, -float(mount[2, 0]))))
     cfg = replace(sonar or SonarCfg(), enabled=True, pitch_down_deg=round(math.degrees(down), 9))
     tilt = np.eye(4)
     tilt[:3, :3] = sonar_attitude(0.0, 0.0, 0.0, cfg.pitch_down_deg)
-    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), mount, camera_mount, str(path))
+    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), mount, camera_mount, bag.where)

@@ -1,11 +1,11 @@
-"""Files of MCAP without their end."""
+"""Files of bags without their end."""
 
 import io
 import struct
 
 import pytest
 
-from coral.unfinished_mcap import MAGIC, UnfinishedMcap, whole_bytes
+from coral.unfinished_bag import MAGIC, PathWithEnd, mend, whole_bytes
 
 HEADER = struct.pack("<BQ", 0x01, 12) + bytes(12)
 RECORDS = b"".join(struct.pack("<BQ", 0x05, size) + bytes([size]) * size for size in (30, 50))
@@ -37,7 +37,7 @@ def test_whole_records_end_where_one_is_cut_or_none_any_more(content, whole):
 def test_the_file_gets_its_end_when_it_is_opened(tmp_path, cut):
     path = tmp_path / "x.mcap"
     path.write_bytes(WHOLE[: len(WHOLE) - cut])
-    with UnfinishedMcap(path).open("rb") as file:
+    with mend(path, tmp_path).path.open("rb") as file:
         content = file.read()
         assert file.seek(-37, 2) == len(content) - 37
         assert file.read() == content[-37:]
@@ -50,5 +50,5 @@ def test_the_file_gets_its_end_when_it_is_opened(tmp_path, cut):
 
 
 def test_all_else_of_the_path_is_its_own(tmp_path):
-    path = UnfinishedMcap(tmp_path / "x.mcap")
+    path = PathWithEnd(tmp_path / "x.mcap", 0, b"")
     assert (path.name, path.exists(), str(path)) == ("x.mcap", False, str(tmp_path / "x.mcap"))
