@@ -78,6 +78,15 @@ class Bag:
         with _opened(self._path, self._parts) as reader:
             return _counts(reader)
 
+    def message_types(self) -> dict[str, str]:
+        """Return the type of the messages on each topic.
+
+        Raises:
+            InputError: It is no bag.
+        """
+        with _opened(self._path, self._parts) as reader:
+            return {one.topic: one.msgtype for one in reader.connections}
+
     def read_messages(self, wanted: set[str]) -> Iterator[tuple[str, Any]]:
         """Return topic and message of all messages on some topics, in order of time, one after the other.
 

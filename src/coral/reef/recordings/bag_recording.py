@@ -21,9 +21,10 @@ from coral.reef.map.echo_points import project_points
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
-from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
+from coral.reef.recordings.frame_tree import MAP, BodyTrack, frame_name, points_down
+from coral.reef.recordings.gps_track import FIX, IMU, GpsTrack, read_gps, topic_of
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
-from coral.reef.recordings.pose_track import NEAR_S, ClockBackError
+from coral.reef.recordings.pose_track import NEAR_S, ONE_CLOCK, ClockBackError
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sea.lens import Lens
@@ -33,7 +34,6 @@ from coral.reef.world.geometry import Pose
 
 UPRIGHT = 0.5
 """Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""
-ONE_CLOCK = "one clock that never goes back; cut the bag there (`mcap filter`, `ros2 bag convert`, `rosbag filter`)"
 SAME_CLOCK = "stamps of one clock; shift those of one, or make a folder of the pictures with poses.csv"
 
 
@@ -55,6 +55,10 @@ class BagTopics:
     sonar: str = "/sonar/points"
     """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
     odometry: str = "/odometry"
+    gps: str = "/gps/fix"
+    """NavSatFix; read if there is no odometry. The only topic of this type is found by itself, as is that of Imu."""
+    imu: str = "/imu/data"
+    """Imu, whose orientation is the heading where positions are by GPS alone."""
     map: str = "/map"
     """OccupancyGrid whose extent and cells the new map takes over, if it is there."""
 
@@ -93,8 +97,7 @@ def read_bag(
     bag = Bag(path)
     where = bag.where
     contents = _collect(bag, topics)
-    if not contents.track.odometry.times:
-        raise InputError(where, topics.odometry, "no messages", f"nav_msgs/Odometry; {_known(contents)}")
+    gps = None if contents.track.odometry.times else _by_gps(bag, topics, contents)
     kinds = {
         topics.doubt: "doubt", topics.classes: "labels", topics.depth: "depth", topics.image: "rgb",
     }  # fmt: skip
@@ -113,7 +116,13 @@ def read_bag(
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
     remarks = list(bag.remarks)
-    if (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
+    if gps is not None:
+        remarks.append(gps.remark)
+        if camera is None or not camera.altitude_given:
+            expected = "altitude_m in --camera FILE.yaml: the camera's usual height above the sea floor"
+            raise InputError(where, "height", "positions by GPS alone, which know none", expected)
+        _lift(track, 0.0, mount_at(track.odometry.times[0]), camera, where)
+    elif (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
         remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
     cfg = cfg or MapCfg()
     if contents.cell_m is not None:
@@ -168,7 +177,26 @@ def read_bag(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
         sonar=None if hearing is None else hearing.sonar, remarks=tuple(remarks),
+        start=None if gps is None else Pose(0.0, 0.0, 0.0),
+        datum=None if gps is None else (gps.plane.latitude, gps.plane.longitude),
     )  # fmt: skip
+
+
+def _by_gps(bag: Bag, topics: BagTopics, contents: _Contents) -> GpsTrack:
+    """Take the poses of a bag without odometry from its satellite receiver.
+
+    Raises:
+        InputError: It has none, or one that does not tell poses.
+    """
+    fix = topic_of(bag, FIX, topics.gps)
+    if fix is None:
+        found = "no messages" + "".join(f"; {remark}" for remark in bag.remarks)
+        expected = f"nav_msgs/Odometry, or sensor_msgs/NavSatFix; {_known(contents)}"
+        raise InputError(bag.where, topics.odometry, found, expected)
+    track = contents.track
+    gps = read_gps(bag, fix, topic_of(bag, IMU, topics.imu), track.tree)
+    track.odometry, track.parent, track.child = gps.poses, MAP, gps.child
+    return gps
 
 
 def _lift(

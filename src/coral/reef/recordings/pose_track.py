@@ -14,6 +14,7 @@ NEAR_S = 0.1
 """A picture without a pose within this time of it is left out (s)."""
 GAP_S = 0.5
 """Between poses farther apart than this nothing is interpolated (s)."""
+ONE_CLOCK = "one clock that never goes back; cut the bag there (`mcap filter`, `ros2 bag convert`, `rosbag filter`)"
 _SAME_S = 1e-6
 
 Transform = NDArray[np.float64]
