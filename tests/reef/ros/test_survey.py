@@ -103,7 +103,7 @@ def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path, word, rea
         assert process.wait(120.0) == 0
     metrics = json.loads((tmp_path / "run/metrics.json").read_text())
     assert metrics["end_reason"] == reason
-    assert metrics["collisions"] == 0
+    assert metrics["collisions"] is None  # nobody here knows the truth
     assert node.grids[-1].info.resolution == pytest.approx(MapCfg().cell_m)
 
 
