@@ -15,6 +15,17 @@ class Twist:
         self.linear, self.angular = message(x=0.0, y=0.0, z=0.0), message(x=0.0, y=0.0, z=0.0)
 
 
+def mounted(parent, child, at=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0, 1.0)):
+    """Make a message of /tf: where one frame is in another, and how it is turned (x, y, z, w)."""
+    translation, rotation = dict(zip("xyz", at, strict=True)), dict(zip("xyzw", turn, strict=True))
+    each = {
+        "header": {"frame_id": parent},
+        "child_frame_id": child,
+        "transform": {"translation": translation, "rotation": rotation},
+    }
+    return message(transforms=[message(**each)])
+
+
 class FakeNode:
     """Stands in for `RosNode`, whose `node` it is too."""
 
@@ -86,7 +97,7 @@ def info(**more):
     roi = {"x_offset": 0, "y_offset": 0, "width": 0, "height": 0}
     fields = {
         "width": 8, "height": 4, "distortion_model": "plumb_bob", "d": [0.0] * 5, "k": k, "p": [0.0] * 12, "roi": roi,
-        "binning_x": 0, "binning_y": 0,
+        "binning_x": 0, "binning_y": 0, "header": {"frame_id": "optical"},
     }  # fmt: skip
     return message(**{**fields, **more})
 

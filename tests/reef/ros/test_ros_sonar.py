@@ -6,8 +6,8 @@ import pytest
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
-from coral.reef.ros import ros_sonar
-from reef.ros.fake_ros import FakeNode, fake_type, message
+from coral.reef.ros import heard_tree, ros_sonar
+from reef.ros.fake_ros import FakeNode, fake_type, message, mounted
 
 LEVEL = SonarCfg(pitch_down_deg=0.0)
 AHEAD = (LEVEL.height // 2, LEVEL.width // 2)
@@ -15,7 +15,8 @@ AHEAD = (LEVEL.height // 2, LEVEL.width // 2)
 
 @pytest.fixture(autouse=True)
 def types(monkeypatch):
-    monkeypatch.setattr(ros_sonar, "ros_type", fake_type)
+    for module in (ros_sonar, heard_tree):
+        monkeypatch.setattr(module, "ros_type", fake_type)
     monkeypatch.setattr(ros_sonar, "FIRST_S", 0.0)
     monkeypatch.setattr(ros_sonar, "NEXT_S", 0.01)
     monkeypatch.setattr(ros_sonar, "SEEN", 0.0)
@@ -47,16 +48,6 @@ def cloud(*points, frame="base_link"):
 def sonar(kind="sensor_msgs/msg/PointCloud2", cfg=LEVEL):
     node = Publishing(kind)
     return ros_sonar.RosSonar("/ranges", cfg, node=node), node
-
-
-def mounted(parent, child, at=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0, 1.0)):
-    translation, rotation = dict(zip("xyz", at, strict=True)), dict(zip("xyzw", turn, strict=True))
-    each = {
-        "header": {"frame_id": parent},
-        "child_frame_id": child,
-        "transform": {"translation": translation, "rotation": rotation},
-    }
-    return message(transforms=[message(**each)])
 
 
 def test_a_point_ahead_is_heard_ahead():

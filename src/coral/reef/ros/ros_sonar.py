@@ -19,9 +19,8 @@ from coral.camera_pictures import values_in
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.pilot.checks import UnfitMeasurement
-from coral.reef.recordings.frame_tree import FrameTree, frame_name
 from coral.reef.recordings.point_clouds import points_in, range_image_of
-from coral.reef.recordings.transforms import transform_from
+from coral.reef.ros.heard_tree import BODY, HeardTree
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.latest_reading import HeardImage
 from coral.ros_node import RosNode, beside, ros_type
@@ -30,8 +29,6 @@ FIRST_S, NEXT_S = 10.0, 0.2
 """Longest wait for somebody who publishes the topic, and for any message."""
 SEEN = 0.8
 """Share of the configured field of view in which points must have been."""
-BODY = "base_link"
-"""The vehicle's frame (REP-105): x forward, y left, z up."""
 CLOUD, PICTURES = "sensor_msgs.msg.PointCloud2", ("sensor_msgs.msg.Image", "sensor_msgs.msg.CompressedImage")
 
 
@@ -46,7 +43,7 @@ class RosSonar:
 
     def __init__(self, topic: str, sonar: SonarCfg, place: str = "", node: RosNode | None = None) -> None:
         self._topic, self._sonar = topic, sonar
-        self._tree, self._k, self._without_tree = FrameTree(), (0.0, 0.0, 0.0, 0.0), ""
+        self._k = (0.0, 0.0, 0.0, 0.0)
         self._widest = np.zeros(2)
         self._turned = sonar_attitude(0.0, 0.0, 0.0, sonar.pitch_down_deg)
         self._ros = ros = node or RosNode("coral_sonar", place, "--sonar")
@@ -57,13 +54,7 @@ class RosSonar:
         if kind != CLOUD:
             info = beside(topic.removesuffix("/compressedDepth"), "camera_info")
             create(ros_type("sensor_msgs.msg.CameraInfo", "--sonar"), info, self._hear_lens, sensor)
-        try:
-            tf = ros_type("tf2_msgs.msg.TFMessage", "--sonar")
-        except InputError as error:
-            self._without_tree = f"; {error.found}"
-        else:
-            create(tf, "/tf_static", self._hear_tree, ros.qos("latched"))
-            create(tf, "/tf", self._hear_tree, sensor)
+        self._tree = HeardTree(ros, "--sonar")
         self._points: Callable[[Any], NDArray[np.float64]] = (
             partial(points_in, where=topic) if kind == CLOUD else self._depths
         )
@@ -83,11 +74,11 @@ class RosSonar:
             points = self._points(message)
         except InputError as error:
             raise UnfitMeasurement("unreadable", str(error)) from None
-        frame = frame_name(str(message.header.frame_id))
-        body = next((each for each in (frame, *self._tree.frames()) if each.rpartition("/")[2] == BODY), BODY)
-        mount = np.eye(4) if frame == body else self._tree.first(body, frame)
+        frame = str(message.header.frame_id)
+        mount = self._tree.in_vehicle(frame)
         if mount is None:
-            raise UnfitMeasurement("no transform", f"from {body} to {frame!r} on /tf_static{self._without_tree}")
+            why = f"; {self._tree.missing}" if self._tree.missing else ""
+            raise UnfitMeasurement("no transform", f"from {BODY} to {frame!r} on /tf_static{why}")
         points = (points @ mount[:3, :3].T + mount[:3, 3]) @ self._turned
         self._check_view(points)
         return HeardImage(stamp_s, range_image_of(points, self._sonar))
@@ -138,13 +129,3 @@ class RosSonar:
 
     def _hear_lens(self, message: Any) -> None:
         self._k = (float(message.k[0]), float(message.k[4]), float(message.k[2]), float(message.k[5]))
-
-    def _hear_tree(self, message: Any) -> None:
-        """Take in transforms; the newest one holds."""
-        for each in message.transforms:
-            at, q = each.transform.translation, each.transform.rotation
-            try:
-                step = transform_from((at.x, at.y, at.z), (q.x, q.y, q.z, q.w))
-                self._tree.add(str(each.header.frame_id), str(each.child_frame_id), step, None)
-            except ValueError:
-                continue  # no rotation, or a second parent: what was known stays
