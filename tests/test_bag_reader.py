@@ -154,6 +154,16 @@ def test_a_ros_1_bag_that_its_recorder_did_not_finish_is_read(tmp_path):
     assert x_of(Bag(path)) == x_of(Bag(whole))
 
 
+@pytest.mark.parametrize("name", [b"compression=bz2", b"zipped=none"])
+def test_a_cut_ros_1_bag_whose_chunks_cannot_be_unpacked_is_one_line(tmp_path, name):
+    whole = write_ros1(tmp_path / "whole.bag").read_bytes()
+    old = b"compression=none"
+    path = tmp_path / "x.bag"
+    path.write_bytes(whole[:-100].replace(old, name.ljust(len(old), b"x")))
+    with pytest.raises(InputError, match=r"x\.bag"):
+        Bag(path).count_messages()
+
+
 @pytest.mark.parametrize("part", [0.3, 0.6, 0.95])
 def test_the_rows_before_the_cut_of_a_sqlite_bag_are_read(tmp_path, part):
     whole = write_db3(tmp_path / "whole")

@@ -194,7 +194,10 @@ def _mend_ros1(path: Path, folder: Path) -> Mended | None:
         whole, chunks = _ros1_chunks(file, first.end, size)
         if not chunks:
             return None
-        connections = _ros1_connections(file, chunks)
+        try:
+            connections = _ros1_connections(file, chunks)
+        except (KeyError, ValueError, OSError, EOFError, RuntimeError):  # a chunk that cannot be unpacked
+            return None
         file.seek(0)
         head = file.read(first.data_at)
     numbers = {
