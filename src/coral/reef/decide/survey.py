@@ -100,7 +100,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
     explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
     solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
     if arrival.in_s > 0.0:
-        _explore_ahead(explored, arrival, cell_m, cfg)
+        _explore_ahead(explored, arrival, cell_m, replace(cfg, look_m=min(cfg.look_m, cells.sees_m)))
     edge = math.ceil(cfg.border_m / cell_m)
     unknown = (~explored & ~solid).astype(np.uint8)
     unknown[:edge], unknown[-edge:], unknown[:, :edge], unknown[:, -edge:] = 0, 0, 0, 0

@@ -19,6 +19,7 @@ from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.carried import AROUND_M, moved_cells
 from coral.reef.map.changes import Box, around
+from coral.reef.map.eyesight import Eyesight
 from coral.reef.map.mapping_kernels import SATURATED, Counts, Nearness, classify, explore, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
@@ -51,7 +52,8 @@ class MapCfg:
     cell_m: CellSize = 0.05
     """Edge of a cell. The paper gives none; 0.05 m makes its A_min = 100 px equal to 0.25 m²."""
     range_m: float = 6.0
-    """d_max of explored-area rays and of target detection (0-6 m in the paper's prompts)."""
+    """d_max of explored-area rays and of target detection (0-6 m in the paper's prompts). Of eyes that doubt, less
+    counts as explored: only what they can tell from there."""
     obstacle_range_m: float = 4.0
     """Obstacle sensing range (paper IV-F)."""
     n_rays: Count = 360
@@ -131,6 +133,8 @@ class OccupancyMap:
         self._near_key: tuple[int, float, float] | None = None
         self.camera = camera
         """The camera that takes the pictures."""
+        self.eyesight = Eyesight(camera)
+        """How far pictures that eyes doubt tell oysters from sea floor."""
         self._looks = _looks(camera)
         self.focal_px = camera.intrinsics[0]
         """Focal length of the camera (px): a pixel is 1 / focal_px of its distance wide."""
@@ -147,10 +151,11 @@ class OccupancyMap:
                 neither, and would write beyond their arrays.
         """
         check_picture(frame, self.camera)
-        frame = drop_doubtful(frame, self.cfg.doubt)
         if not all(map(math.isfinite, (*pose, roll, pitch))):
             raise InputError("pose", "", (*pose, roll, pitch), "finite numbers")
         looks = _looks(self.camera, roll, pitch) if roll or pitch else self._looks
+        self.eyesight.look(frame, looks)
+        frame = drop_doubtful(frame, self.cfg.doubt)
         cfg = self.cfg
         self._pictures += 1
         changed, obstacle_range_m, sharp_m = False, cfg.obstacle_range_m, 0.0
@@ -158,7 +163,7 @@ class OccupancyMap:
         doubted = frame.doubt is not None and self.layer is None
         if doubted:
             self.sight = self.sight or self._begin_sight()
-            changed = self.sight.integrate(frame, pose, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch)
+            changed = self.sight.integrate(frame, pose, (cfg.obstacle_range_m, self.sees_m), self.explored, roll, pitch)
             obstacle_range_m, sharp_m = -1.0, self.sight.sharp_m if self.sight.counted else -1.0
         project(
             frame.depth,
@@ -188,11 +193,16 @@ class OccupancyMap:
             pose.theta,
             self._hfov,
             cfg.n_rays,
-            cfg.range_m,
+            self.sees_m,
             cfg.cell_m,
             math.tan(self._hfov / 2),
             self._reach,
         )
+
+    @property
+    def sees_m(self) -> float:
+        """Distance (m) up to which what is in view counts as explored."""
+        return min(self.cfg.range_m, self.eyesight.reach_m) if self._estimated else self.cfg.range_m
 
     def _begin_sight(self) -> SightLayer:
         """Leave the obstacles that are known to lines of sight."""

@@ -17,9 +17,6 @@ from coral.reef.world.geometry import Frame, Label, Pose, wrap
 
 NEAR_SHARE = 0.2
 """An obstacle is where this share of its pixels along a bearing is nearer, or at its foot if that is nearer."""
-ROW_M = 0.5
-"""Floor counts as explored while a row of pixels covers at most this much of it, 4.8 m away with the default
-camera: the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
 FLOOR_DOUBT = 0.3
 """Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
 GAP_PX = 2
@@ -126,7 +123,6 @@ class SightLayer:
         labels = frame.labels
         if frame.doubt is not None:
             labels = np.where(floor & (frame.doubt > FLOOR_DOUBT), np.uint8(Label.WATER), labels)
-        focal = self.camera.intrinsics[0]
         scan(frame.depth, labels, flat, plane, bearing, NEAR_SHARE, GAP_PX, ranges, first, last)
         self.counted = (
             at is None or math.dist(at[:2], pose[:2]) >= cfg.step_m or abs(wrap(at.theta - pose.theta)) >= cfg.turn_rad
@@ -143,7 +139,7 @@ class SightLayer:
                 pose.theta,
                 self._cell_m,
                 ranges_m[0],
-                min(ranges_m[1], math.sqrt(ROW_M * height * focal)),
+                ranges_m[1],
                 self.sharp_m,
                 BACK_M,
                 BACK_SHARE,
