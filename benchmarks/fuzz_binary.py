@@ -232,7 +232,7 @@ def bag_parsers(refused: tuple[type[Exception], ...]) -> dict[str, Given]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         return {}
-    from coral.bag_reader import count_messages, read_messages
+    from coral.ros.bag_reader import count_messages, read_messages
 
     def read(path: Path) -> object:
         count_messages(path)

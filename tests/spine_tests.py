@@ -1,6 +1,6 @@
 """Run the tests of the spine with each wing taken off in turn: `make wings`, or `python tests/spine_tests.py WING...`.
 
-A test belongs to the spine if neither its folder is a wing's nor its text names a module of one that is off.
+A test stays if its folder is not of that wing nor of one that needs it, and its text names no module of either.
 """
 
 import os
@@ -16,21 +16,27 @@ TESTS = ROOT / "tests"
 
 def tests_without(name):
     """Return the test files that remain when a wing is off."""
-    listed = wings()
-    off = [module.replace(".", "/").removeprefix("coral/") for module in listed[name][0]]
-    needing = [other for other in listed if name in page_of(other)]
-    off += [module.replace(".", "/").removeprefix("coral/") for other in needing for module in listed[other][0]]
-    named = re.compile("|".join(re.escape(each) for path in off for each in (path.replace("/", "."), f"{path}.py")))
+    needing = {name} | {other for other in wings() if f"`{name}`" in page_of(other)}
+    useless = set(needing)
+    while more := {other for other in wings() if any(f"`{one}`" in page_of(other) for one in useless)} - useless:
+        useless |= more
+    words = "|".join(re.escape(each) for path in paths(needing) for each in (path.replace("/", "."), f"{path}.py"))
+    named = re.compile(rf"\b(?:{words})\b")
     kept = []
     for path in sorted(TESTS.rglob("test_*.py")):
         inside = str(path.relative_to(TESTS)).removesuffix(".py").replace("test_", "")
-        if any(inside == each or inside.startswith(f"{each}/") for each in off):
+        if any(inside == each or inside.startswith(f"{each}/") for each in paths(useless)):
             continue
         if inside.split("/")[0] in ("e2e", "model", "benchmarks", "autopilot") or path.parent == TESTS:
             continue
         if not named.search(path.read_text(encoding="utf-8")):
             kept.append(path)
     return kept
+
+
+def paths(names):
+    """Return where the modules of wings are, below the package."""
+    return [module.replace(".", "/").removeprefix("coral/") for name in names for module in wings()[name][0]]
 
 
 def page_of(name):

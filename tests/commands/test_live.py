@@ -14,6 +14,7 @@ def test_without_the_flag_nobody_watches_and_nothing_is_checked():
         assert viewers == []
 
 
+@pytest.mark.wing("coral.view")
 @pytest.mark.parametrize(("port", "speed", "said"), [(70000, 1.0, "--live-port"), (0, -1.0, "--live-speed")])
 def test_a_flag_out_of_range_is_refused_before_anything_is_made(port, speed, said):
     with pytest.raises(InputError, match=said):

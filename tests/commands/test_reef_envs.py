@@ -63,6 +63,7 @@ def test_without_a_name_all_shipped_reefs_are_listed(told):
     assert [line.split()[0] for line in told("reef", "envs")[1].splitlines()] == ["name", *shipped_worlds()]
 
 
+@pytest.mark.wing("coral.view")
 @pytest.mark.parametrize("name", ["../../up", "a\0b"])
 def test_no_name_of_a_world_leads_its_preview_elsewhere(told, puddle, tmp_path, name):
     folder = tmp_path / "here" / "pictures"

@@ -21,6 +21,7 @@ def test_the_same_flags_make_the_same_file(told, tmp_path):
     assert (tmp_path / "a" / "w.yaml").read_bytes() == (tmp_path / "b" / "w.yaml").read_bytes()
 
 
+@pytest.mark.wing("coral.view")
 def test_a_reef_grows_along_a_polyline_and_is_drawn(told, tmp_path):
     path, picture = tmp_path / "w.yaml", tmp_path / "w.png"
     line = "[[3,3],[12,4],[15,12]]"

@@ -19,7 +19,7 @@ from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
-from coral.ros_node import ros_type
+from coral.ros.ros_node import ros_type
 from coral.terminal import tell
 
 if TYPE_CHECKING:

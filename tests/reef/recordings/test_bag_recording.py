@@ -9,7 +9,6 @@ import pytest
 from bag_copies import copy_bag
 from survey_runs import write_run
 
-from coral.bag_reader import is_bag
 from coral.errors import InputError
 from coral.reef.recordings.bag_export import write_bag
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
@@ -17,6 +16,7 @@ from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
+from coral.ros.bag_reader import is_bag
 
 McapWriter = pytest.importorskip("rosbags.rosbag2.storage_mcap").McapWriter
 

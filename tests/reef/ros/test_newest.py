@@ -1,7 +1,7 @@
 import time
 
 from coral.reef.ros.newest import OLD_S, Newest
-from coral.ros_node import OtherClockError
+from coral.ros.ros_node import OtherClockError
 from reef.ros.fake_ros import FakeNode, message
 
 

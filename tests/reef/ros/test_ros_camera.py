@@ -7,7 +7,7 @@ from coral.errors import InputError
 from coral.reef.ros import ros_camera
 from coral.reef.ros.camera_info import camera_of
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros_node import OtherClockError
+from coral.ros.ros_node import OtherClockError
 from reef.ros.fake_ros import FakeNode, fake_type, info, message
 
 

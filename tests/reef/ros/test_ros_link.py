@@ -4,7 +4,7 @@ import pytest
 
 from coral.reef.ros import ros_link
 from coral.reef.sea.link import LinkRefused
-from coral.ros_node import OtherClockError
+from coral.ros.ros_node import OtherClockError
 from reef.ros.fake_ros import FakeNode, fake_type, message, odometry
 
 

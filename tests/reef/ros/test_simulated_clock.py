@@ -12,7 +12,7 @@ from coral.reef.ros import ros_sonar
 from coral.reef.ros.newest import OLD_S
 from coral.reef.ros.ros_camera import RosCamera
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros_node import RosNode
+from coral.ros.ros_node import RosNode
 
 pytestmark = pytest.mark.ros2
 BEGUN = 100.0

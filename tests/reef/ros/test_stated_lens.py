@@ -6,7 +6,7 @@ import pytest
 
 from coral.reef.ros.camera_info import stated_camera
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros_node import RosNode
+from coral.ros.ros_node import RosNode
 
 pytestmark = pytest.mark.ros2
 K = [300.0, 0.0, 320.0, 0.0, 301.0, 240.0, 0.0, 0.0, 1.0]

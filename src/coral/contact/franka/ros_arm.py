@@ -20,7 +20,7 @@ from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, quate
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 PREFIX = "ros2:"
 """With what an address begins that is a namespace, or a file of ROS parameters."""

@@ -12,7 +12,7 @@ import numpy as np
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.ros_topics import topic
 from coral.contact.scene.observation import Array, BodyState
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 FLAG = "--robot"
 

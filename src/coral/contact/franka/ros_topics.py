@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coral.ros_node import RosNode
+from coral.ros.ros_node import RosNode
 
 STATE = "franka_robot_state_broadcaster"
 ROWS = {

@@ -1,4 +1,4 @@
 """Real scenes: cameras, masks, calibration, recordings, and how well a tracker follows known motions.
 
-A wing. Its commands need `coral.contact.franka` to send poses to an arm.
+A wing. It needs `coral.ros` for bags, and its commands `coral.contact.franka` to send poses to an arm.
 """

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_writer import BagWriter, open_bag
 from coral.reef.eyes.doubt import pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
+from coral.ros.bag_writer import BagWriter, open_bag
 
 TOPICS = {
     "/camera/image/compressed": ("sensor_msgs/msg/CompressedImage", "Colour, if the run took it."),

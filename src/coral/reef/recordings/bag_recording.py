@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import Bag, stamp_of
-from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.perception import CameraAttitude
@@ -31,6 +29,8 @@ from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
+from coral.ros.bag_reader import Bag, stamp_of
+from coral.ros.camera_pictures import colours_in, values_in
 
 UPRIGHT = 0.5
 """Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""

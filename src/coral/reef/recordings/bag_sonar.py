@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import Bag
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name
@@ -19,6 +18,7 @@ from coral.reef.recordings.recording import PosedPing
 from coral.reef.recordings.transforms import euler_of
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Pose
+from coral.ros.bag_reader import Bag
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from coral.bag_reader import is_bag
 from coral.errors import InputError
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -16,6 +15,7 @@ from coral.reef.recordings.picture_folder import TABLE, read_folder
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
 from coral.reef.sea.recorded_camera import read_camera
+from coral.ros.bag_reader import is_bag
 
 KINDS = "a run folder, a ROS bag, an MCAP file, or a folder of pictures with poses.csv or an autopilot's log"
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from coral.bag_reader import Bag, stamp_of
 from coral.errors import InputError, first_line
 from coral.limits import AUTOPILOT_SAMPLES
 from coral.reef.recordings.autopilot_log import APART_S, GAP_S
@@ -19,6 +18,7 @@ from coral.reef.recordings.picture_folder import FASTEST_M_S, FIX_M
 from coral.reef.recordings.pose_track import ONE_CLOCK, ClockBackError, StampedTransforms, Transform
 from coral.reef.recordings.transforms import body_transform, rotation_of
 from coral.reef.world.geometry import Pose
+from coral.ros.bag_reader import Bag, stamp_of
 from coral.words import many
 
 FIX, IMU = "sensor_msgs/msg/NavSatFix", "sensor_msgs/msg/Imu"

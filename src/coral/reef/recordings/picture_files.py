@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.camera_pictures import COLOUR, decode
 from coral.errors import InputError
 from coral.foreign_file import read_bytes
 from coral.limits import PICTURE_BYTES
 from coral.reef.eyes.doubt import unpack_doubt
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Label
+from coral.ros.camera_pictures import COLOUR, decode
 
 Image = NDArray[Any]
 

@@ -17,7 +17,7 @@ from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.video_camera import WIDEST_PX
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros_node import RosNode, beside, ros_type
+from coral.ros.ros_node import RosNode, beside, ros_type
 
 FIRST_S, ALONE_S, LOOK_S = 10.0, 2.0, 0.2
 """Longest wait for a CameraInfo; for one whose topic nobody publishes, beside pictures; and between two looks."""

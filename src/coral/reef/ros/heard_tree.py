@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.reef.recordings.frame_tree import FrameTree, frame_name
 from coral.reef.recordings.transforms import transform_from
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 BODY = "base_link"
 """The vehicle's frame: x forward, y left, z up."""

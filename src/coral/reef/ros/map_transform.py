@@ -9,7 +9,7 @@ from typing import Any
 from coral.errors import InputError
 from coral.reef.recordings.frame_tree import MAP, frame_name
 from coral.reef.world.geometry import Pose
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 LISTEN_S = 2.0
 """Others are listened for this long before anything is sent."""

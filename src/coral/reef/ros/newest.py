@@ -7,7 +7,7 @@ import queue
 import time
 from typing import Any
 
-from coral.ros_node import OtherClockError, RosNode
+from coral.ros.ros_node import OtherClockError, RosNode
 
 OLD_S = 60.0
 """What is of another clock counts as this old."""

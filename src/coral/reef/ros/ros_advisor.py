@@ -22,7 +22,7 @@ from coral.advisor.parse import MAX_CHARS, parse_answer
 from coral.advisor.question import Question, Rejection, Reply, Usage
 from coral.advisor.setting import Setting
 from coral.foreign_file import parse_json
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 A = TypeVar("A", bound=BaseModel)
 POLL_S = 0.05

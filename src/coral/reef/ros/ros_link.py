@@ -21,7 +21,7 @@ from typing import Any, Literal
 from coral.reef.recordings.frame_tree import frame_name
 from coral.reef.ros.odometry import covariance_of, frame_fault, pose_of, velocity_of
 from coral.reef.sea.link import LinkRefused, VehicleReport
-from coral.ros_node import OtherClockError, RosNode, ros_type
+from coral.ros.ros_node import OtherClockError, RosNode, ros_type
 
 PERIOD_S = 0.1
 SILENT_S = 0.5

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.camera_pictures import values_in
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.pilot.checks import UnfitMeasurement
@@ -23,7 +22,8 @@ from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.ros.heard_tree import BODY, HeardTree
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.latest_reading import HeardImage
-from coral.ros_node import RosNode, beside, ros_type
+from coral.ros.camera_pictures import values_in
+from coral.ros.ros_node import RosNode, beside, ros_type
 
 FIRST_S, NEXT_S = 10.0, 0.2
 """Longest wait for somebody who publishes the topic, and for any message."""

@@ -25,7 +25,7 @@ from coral.reef.ros.ros_link import RosLink
 from coral.reef.sea.operator import WORDS, OperatorWords
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.world.geometry import Pose
-from coral.ros_node import RosNode, ros_type
+from coral.ros.ros_node import RosNode, ros_type
 
 PERIOD_S = 1.0
 START = {"arm": "start"}

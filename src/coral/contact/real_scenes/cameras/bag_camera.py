@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.bag_reader import message_types, read_messages, stamp_of
-from coral.camera_pictures import colours_in, values_in
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
 from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
+from coral.ros.bag_reader import message_types, read_messages, stamp_of
+from coral.ros.camera_pictures import colours_in, values_in
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"

@@ -5,8 +5,8 @@ import struct
 
 import pytest
 
-from coral.bag_reader import Bag, count_messages, is_bag, read_messages
 from coral.errors import InputError
+from coral.ros.bag_reader import Bag, count_messages, is_bag, read_messages
 from test_foreign_file import within_limits
 
 pytest.importorskip("rosbags")
@@ -50,7 +50,7 @@ def test_a_chunk_is_unpacked_no_further_than_any_chunk_holds(tmp_path):
         end = struct.pack("<BQI", 0x0F, 4, 0) + struct.pack("<BQQQI", 2, 20, 0, 0, 0)
         path = tmp_path / "x.mcap"
         path.write_bytes(b"\x89MCAP0\r\n" + header + struct.pack("<BQ", 6, len(chunk)) + chunk + end + b"\x89MCAP0\r\n")
-        told = within_limits(path, "from coral.bag_reader import count_messages", "count_messages(path)")
+        told = within_limits(path, "from coral.ros.bag_reader import count_messages", "count_messages(path)")
         assert "x.mcap: found" in told
         assert told.endswith("expected a ROS bag or an MCAP file\n")
 
@@ -68,7 +68,7 @@ def test_a_chunk_of_a_ros_1_bag_is_bounded_too(tmp_path, packing, monkeypatch):
         word = store.types["std_msgs/msg/String"](data="a" * 500_000)
         writer.write(topic, 1, store.serialize_ros1(word, "std_msgs/msg/String"))
     assert len(list(read_messages(tmp_path / "x.bag", {"/odometry"}))) == 1
-    monkeypatch.setattr("coral.bag_reader.CHUNK_BYTES", 400_000)
+    monkeypatch.setattr("coral.ros.bag_reader.CHUNK_BYTES", 400_000)
     with pytest.raises(InputError, match=r"x\.bag: found a chunk of more than 0 MB"):
         list(read_messages(tmp_path / "x.bag", {"/odometry"}))
 

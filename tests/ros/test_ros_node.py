@@ -1,7 +1,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.ros_node import beside, ros_type, ros_words
+from coral.ros.ros_node import beside, ros_type, ros_words
 
 
 def test_without_ros_the_flag_and_the_way_out_are_named():

@@ -2,9 +2,9 @@
 
 import pytest
 
-from coral.bag_reader import count_messages, read_messages
-from coral.bag_writer import nanoseconds_of, open_bag
 from coral.errors import InputError
+from coral.ros.bag_reader import count_messages, read_messages
+from coral.ros.bag_writer import nanoseconds_of, open_bag
 
 pytest.importorskip("rosbags")
 TOPICS = dict.fromkeys(("/told", "/silent"), ("std_msgs/msg/String", "a text"))

@@ -5,7 +5,7 @@ import struct
 
 import pytest
 
-from coral.unfinished_bag import MAGIC, PathWithEnd, mend, whole_bytes
+from coral.ros.unfinished_bag import MAGIC, PathWithEnd, mend, whole_bytes
 
 HEADER = struct.pack("<BQ", 0x01, 12) + bytes(12)
 RECORDS = b"".join(struct.pack("<BQ", 0x05, size) + bytes([size]) * size for size in (30, 50))

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError
 from coral.reef.recordings.picture_files import encode_jpeg, encode_png
+from coral.ros.camera_pictures import colours_in, values_in
 
 RED = np.zeros((2, 4, 3), np.uint8)
 RED[...] = (200, 30, 10)

@@ -12,7 +12,7 @@ from typing import Any
 from coral.errors import InputError, first_line, install_extra
 from coral.foreign_file import check_tables, read_head, read_text
 from coral.limits import CHUNK_BYTES
-from coral.unfinished_bag import is_cut, mend
+from coral.ros.unfinished_bag import is_cut, mend
 from coral.yaml_file import load_mapping
 
 FILES = (".mcap", ".db3", ".bag")
