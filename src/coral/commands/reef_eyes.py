@@ -113,6 +113,7 @@ class ReefEyes:
         from coral.reef.eyes.backends import open_eyes
         from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
         from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
+        from coral.reef.map.eyesight import Eyesight, looks_of
         from coral.reef.paint.score import BANDS_M, EyesScore
         from coral.reef.vehicle.camera import ray_lengths
         from coral.reef.world.geometry import Label
@@ -121,11 +122,13 @@ class ReefEyes:
         if eyes is None:
             raise InputError("--perception", "", "exact", "painted or FILE.onnx: exact perception has no errors")
         scores: dict[str, EyesScore] = {}
+        eyesights: dict[str, Eyesight] = {}
         spent = 0.0
         for water, camera, frame in self._taken():
             begun = time.process_time()
             perceived = perceive_frame(frame, eyes, camera, CameraAttitude())
             spent += time.process_time() - begun
+            eyesights.setdefault(water, Eyesight(camera)).look(perceived, looks_of(camera))
             kept = drop_doubtful(perceived, DoubtCfg())
             assert kept.doubt is not None
             seen = SeenPicture(kept.labels, kept.depth, kept.doubt)
@@ -141,6 +144,9 @@ class ReefEyes:
                     "pictures": score.pictures,
                     "oyster_iou": score.overlap(Label.OYSTER),
                     "oyster_iou_within_3_m": score.overlap(Label.OYSTER, 3.0)[0],
+                    "oyster_recall": score.recall(Label.OYSTER),
+                    "floor_doubt": score.floor_doubt(),
+                    "sees_m": round(eyesights[water].reach_m, 2),
                     "obstacle_recall": score.recall(Label.OBSTACLE),
                     "obstacle_iou": score.overlap(Label.OBSTACLE),
                     "depth_error": score.depth_error(),
@@ -188,12 +194,15 @@ class ReefEyes:
         for row in result["rows"]:
             for key, what in (
                 ("oyster_iou", "oysters, IoU"),
+                ("oyster_recall", "oysters, recall"),
+                ("floor_doubt", "sea floor, median doubt"),
                 ("obstacle_recall", "obstacles, recall"),
                 ("depth_error", "depth, median error"),
             ):
-                values = " | ".join("" if value is None else f"{value:.2f}" for value in row[key])
+                digits = 3 if key == "floor_doubt" else 2
+                values = " | ".join("" if value is None else f"{value:.{digits}f}" for value in row[key])
                 lines.append(f"| {row['water']} | {row['pictures']} | {what} | {values} |")
         within = ", ".join(f"{row['water']} {row['oyster_iou_within_3_m']}" for row in result["rows"])
-        return "\n".join(
-            [*lines, f"oysters within 3 m, IoU: {within}", f"{result['cpu_ms_per_picture']} ms of CPU a picture"]
-        )
+        far = ", ".join(f"{row['water']} {row['sees_m']} m" for row in result["rows"])
+        lines += [f"oysters within 3 m, IoU: {within}", f"oysters are told from sea floor up to: {far}"]
+        return "\n".join([*lines, f"{result['cpu_ms_per_picture']} ms of CPU a picture"])

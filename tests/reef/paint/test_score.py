@@ -30,3 +30,11 @@ def test_depth_that_is_not_seen_has_no_error():
     )
     assert score.depth_error() == [None] * 5
     assert score.recall(Label.OYSTER)[1] == 0.0
+
+
+def test_the_doubt_of_the_floor_is_that_of_what_is_floor_and_seen_as_such():
+    truth = Frame(np.full((1, 4), 1.5, np.float32), np.array([[3, 3, 1, 3]], np.uint8), np.full((1, 4), -1, np.int32))
+    seen = SeenPicture(np.array([[3, 3, 3, 0]], np.uint8), truth.depth, np.array([[0.1, 0.3, 0.9, 0.9]], np.float32))
+    score = EyesScore()
+    score.add(seen, truth, np.ones((1, 4), np.float32))
+    assert score.floor_doubt() == [None, 0.2, None, None, None]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg, pixel_rays, ray_lengths
 from coral.reef.world.geometry import Frame, Label
 
 ROW_M = 0.5
@@ -20,6 +20,9 @@ TIMES = 2.0
 """Nor is the floor doubtful with so many times the doubt that it has where it has least: other networks doubt more."""
 MOST = 0.5
 """With more than this, nothing is told."""
+SHARE = 0.8
+"""Of the distance at which doubt begins, so much counts: there half of an oyster's pixels are found at best, and whole
+clusters in bad light, in compressed pictures, none."""
 RING_M = 0.25
 FARTHEST_M = 8.0
 MEMORY = 0.05
@@ -39,18 +42,15 @@ class Eyesight:
         self._camera, self._height_m = camera, camera.altitude_m
         self._log_doubt = np.full(round(FARTHEST_M / RING_M), np.nan)
 
-    def look(self, frame: Frame, rays: NDArray[np.float64]) -> None:
-        """Take in a picture with its doubtful pixels.
-
-        `rays` tells how far each pixel's ray leads along the heading and to its left, and its length. Shape=(H, W, 3).
-        """
+    def look(self, frame: Frame, looks: NDArray[np.float64]) -> None:
+        """Take in a picture with its doubtful pixels; `looks` are those of `looks_of`."""
         if frame.doubt is None:
             return
         depth, doubt = frame.depth[::STEP, ::STEP], frame.doubt[::STEP, ::STEP]
         floor = (frame.labels[::STEP, ::STEP] == Label.SEABED) & np.isfinite(depth)
         if not floor.any():
             return
-        forward, left, length = (rays[::STEP, ::STEP][floor] * depth[floor, None]).T
+        forward, left, length = (looks[::STEP, ::STEP][floor] * depth[floor, None]).T
         away = np.hypot(forward, left)
         self._height_m = float(np.median(np.sqrt(np.maximum(length**2 - away**2, 0.0))))
         ring, rings = (away / RING_M).astype(np.int64), len(self._log_doubt)
@@ -72,4 +72,11 @@ class Eyesight:
         clear = doubt <= min(max(math.log(SURE), float(doubt.min()) + math.log(TIMES)), math.log(MOST))
         if clear[-1]:
             return row_m
-        return min(row_m, float(known[clear][-1] + 1) * RING_M) if clear.any() else 0.0
+        return min(row_m, SHARE * float(known[clear][-1] + 1) * RING_M) if clear.any() else 0.0
+
+
+def looks_of(camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
+    """Return how far each pixel's ray leads along the heading and to its left, and its length. Shape=(H, W, 3)."""
+    looks = pixel_rays(camera, roll, pitch)
+    looks[..., 2] = ray_lengths(camera)
+    return looks

@@ -19,12 +19,12 @@ from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.carried import AROUND_M, moved_cells
 from coral.reef.map.changes import Box, around
-from coral.reef.map.eyesight import Eyesight
+from coral.reef.map.eyesight import Eyesight, looks_of
 from coral.reef.map.mapping_kernels import SATURATED, Counts, Nearness, classify, explore, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.vehicle.camera import CameraCfg, check_picture, pixel_rays, ray_lengths
+from coral.reef.vehicle.camera import CameraCfg, check_picture
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
@@ -135,7 +135,7 @@ class OccupancyMap:
         """The camera that takes the pictures."""
         self.eyesight = Eyesight(camera)
         """How far pictures that eyes doubt tell oysters from sea floor."""
-        self._looks = _looks(camera)
+        self._looks = looks_of(camera)
         self.focal_px = camera.intrinsics[0]
         """Focal length of the camera (px): a pixel is 1 / focal_px of its distance wide."""
         self._hfov = math.radians(camera.hfov_deg)
@@ -153,7 +153,7 @@ class OccupancyMap:
         check_picture(frame, self.camera)
         if not all(map(math.isfinite, (*pose, roll, pitch))):
             raise InputError("pose", "", (*pose, roll, pitch), "finite numbers")
-        looks = _looks(self.camera, roll, pitch) if roll or pitch else self._looks
+        looks = looks_of(self.camera, roll, pitch) if roll or pitch else self._looks
         self.eyesight.look(frame, looks)
         frame = drop_doubtful(frame, self.cfg.doubt)
         cfg = self.cfg
@@ -458,10 +458,3 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
         return np.full(mask.shape, np.inf, np.float32)
     distances = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5)
     return np.asarray(distances * cell_m, dtype=np.float32)
-
-
-def _looks(camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
-    """Return how far each pixel's ray leads along the heading and to its left, and its length. Shape=(H, W, 3)."""
-    looks = pixel_rays(camera, roll, pitch)
-    looks[..., 2] = ray_lengths(camera)
-    return looks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from coral.reef.world.geometry import Frame, Label
 BANDS_M = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
 """Edges of the bands of range."""
 _PLACES = 2000
-"""Depth errors kept of each picture and band."""
+"""Depth errors and doubts kept of each picture and band."""
 
 
 @dataclass
@@ -30,6 +31,7 @@ class EyesScore:
     )
     """Pixels by band, class seen and true class."""
     errors: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
+    doubts: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
     pictures: int = 0
 
     def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float64]) -> None:
@@ -41,7 +43,9 @@ class EyesScore:
             np.add.at(self.counts[band], (seen.labels[here], truth.labels[here]), 1)
             both = np.isfinite(seen.depth[here])
             error = np.abs(seen.depth[here][both] / truth.depth[here][both] - 1.0)
-            self.errors[band].append(error[:: max(1, len(error) // _PLACES)].astype(np.float32))
+            self.errors[band].append(_some(error))
+            floor = here & (seen.labels == Label.SEABED) & (truth.labels == Label.SEABED)
+            self.doubts[band].append(_some(seen.doubt[floor]))
 
     def overlap(self, label: Label, until_m: float | None = None) -> list[float | None]:
         """Return the intersection over union by band, or of all bands up to a range together; None without pixels."""
@@ -57,8 +61,20 @@ class EyesScore:
 
     def depth_error(self) -> list[float | None]:
         """Return the median error of the depth as a share of it, by band."""
-        kept = [np.concatenate(band) if band else np.zeros(0) for band in self.errors]
-        return [round(float(np.median(band)), 3) if len(band) else None for band in kept]
+        return _medians(self.errors)
+
+    def floor_doubt(self) -> list[float | None]:
+        """Return the median doubt of the sea floor that is seen as such, by band: how far the eyes see shows in it."""
+        return _medians(self.doubts)
+
+
+def _some(values: NDArray[Any]) -> NDArray[np.float32]:
+    return values[:: max(1, len(values) // _PLACES)].astype(np.float32)
+
+
+def _medians(bands: list[list[NDArray[np.float32]]]) -> list[float | None]:
+    kept = [np.concatenate(band) if band else np.zeros(0) for band in bands]
+    return [round(float(np.median(band)), 3) if len(band) else None for band in kept]
 
 
 def _shares(parts: NDArray[np.int64], wholes: NDArray[np.int64]) -> list[float | None]:
