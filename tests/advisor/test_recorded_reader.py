@@ -52,7 +52,7 @@ CONTACT = {
     **{name: (name, 300) for name in shipped_tasks()},
     **{name: (name, 0) for name in suite_tasks("unseen", "development")},
     **{name: (name, 3) for name in suite_tasks("unseen", "test")},
-    **{name: (name, 3000) for name in suite_tasks("long")},
+    **{name: (name, 3000) for name in (*suite_tasks("long"), *suite_tasks("force"))},
     "pull-shelf": (str(ROOT / "tests/data/recordings/pull-shelf.yaml"), 0),
 }
 """Recordings of contact tasks: task and seed of the trial for which the plan was written."""
@@ -77,8 +77,8 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
         "reef-centroid": 47,
         "unified": 7,
         "reef-waypoint": 57,
-        "physical-parameters": 39,
-        "cost-function": 45,
+        "physical-parameters": 40,
+        "cost-function": 46,
         "contact-regions": 8,
         "parameter-repair": 14,
         "cost-repair": 10,

@@ -11,9 +11,11 @@ from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode import episode as module
 from coral.contact.episode.end_reasons import END_REASONS
-from coral.contact.episode.episode import Episode
+from coral.contact.episode.episode import Episode, as_perceived
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
 from coral.contact.worlds.robot_world import WorldError
 from coral.errors import InputError
@@ -306,3 +308,12 @@ def test_with_latency_conditions_read_the_commanded_opening(run):
     _, _, world = run(FixedStrategist(Strategy("close", (close, Stage("stay", stay)))), cfg=late(), seconds=0.4)
     assert read[-1] == pytest.approx(world.commands[15].opening_m)  # the last one before the plan at 0.32 s
     assert read[-1] < 0.0795  # the measured one stays 0.08
+
+
+def test_the_planner_does_not_know_what_is_hidden(tmp_path):
+    trial = sample_trial(load_task("wipe-over-step").model_copy(update={"time_limit_s": 0.1}), 0)
+    one = Episode(trial, "hand", FixedStrategist(strategy()), COARSE, tmp_path / "run", variant="expert")
+    one.run()
+    assert one.planner.fixed_names == ("table",)
+    assert as_perceived(trial, one.now).task.things == ("table",)
+    assert one.now.objects["sponge"].position[2] == pytest.approx(0.023, abs=0.001)  # it lies on the slab

@@ -19,6 +19,14 @@ def test_what_does_not_move_is_the_table_and_the_fixtures():
     assert task(fixtures=[]).things == ("table",)
 
 
+def test_what_is_hidden_stands_there_and_is_not_known():
+    wall = plain()["fixtures"][0]
+    found = task(fixtures=[wall, wall | {"name": "step", "hidden": True}])
+    assert found.things == ("table", "wall", "step")
+    assert found.known.things == ("table", "wall")
+    assert task().known == task()
+
+
 def test_a_task_file_of_another_format_is_refused():
     assert task(format="coral-contact/1") == task()
     with pytest.raises(ValidationError, match="coral-contact/1"):

@@ -114,6 +114,12 @@ def test_conditions_are_checked_by_their_place():
     assert "did you mean 'box'?" in text
 
 
+def test_a_condition_may_not_name_what_nobody_is_told_of():
+    at_wall = {"kind": "resting", "object": "box", "thing": "wall"}
+    task = changed("fixtures.0.hidden", True) | {"success": {"conditions": [at_wall]}}
+    assert refusal(task)[0] == "success.conditions[0].thing"
+
+
 def meshed(path, size=(1, 1, 1)):
     return changed("objects.0.parts.0", {"shape": "mesh", "file": str(path), "size": list(size)})
 

@@ -442,7 +442,7 @@ class Episode:
         if self.guessed is not None:
             self.now = self.guessed.settle(self.strategist.guess_poses(self.trial, self.now), self.now)
         self._emit_track_changes()
-        self.planner = PlanningWorld(self.trial, prior_beliefs(self.trial), self.now, cfg.planning)
+        self.planner = PlanningWorld(self.trial.known, prior_beliefs(self.trial), self.now, cfg.planning)
         rng = np.random.default_rng([self.trial.seed, 1])
         self.controller = self._make_controller(self.planner, cfg.controller, rng)
         self.controller.reset(self.now)
@@ -512,7 +512,7 @@ class Episode:
 
 def as_perceived(trial: Trial, now: Observation) -> Trial:
     """Return the trial as the robot perceives it: estimated poses, prior masses and frictions."""
-    held = with_beliefs(trial, prior_beliefs(trial))
+    held = with_beliefs(trial.known, prior_beliefs(trial))
     objects = {name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
     return dataclasses.replace(held, objects=objects)
 

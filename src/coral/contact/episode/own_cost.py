@@ -83,6 +83,7 @@ def own_cost(given: Any, trial: Trial, cfg: EpisodeCfg, where: str = "--cost") -
     Raises:
         InputError: It is no cost, or a check refuses it, with the reason.
     """
+    trial = trial.known
     if isinstance(given, str | Path) and Path(given).suffix.lower() in ENDINGS:
         return _from_file(Path(given), trial, cfg)
     name = given if isinstance(given, str) else ""

@@ -167,7 +167,7 @@ def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None
         InputError: There is no such variant, or it has no strategy for this task.
     """
     check_variant(variant)
-    return VARIANTS[variant](task, asking or AdvisorSetup())
+    return VARIANTS[variant](task.known, asking or AdvisorSetup())
 
 
 def check_variant(variant: str, where: str = "--variant") -> None:

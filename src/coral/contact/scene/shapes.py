@@ -172,6 +172,8 @@ class Fixture(TaskPart):
     """Its own; between two bodies the larger counts."""
     color: Color = (0.55, 0.58, 0.62)
     """Its colour in pictures."""
+    hidden: bool = Field(default=False, strict=True)
+    """Whether neither planner, costs nor prompts know of it: for what only contact tells, as a step in a surface."""
 
 
 class TableMark(TaskPart):

@@ -58,6 +58,12 @@ class Task(TaskPart):
         return next(item for item in self.objects if item.name == name)
 
     @property
+    def known(self) -> Task:
+        """Return the task as planner and advisor know it: without hidden fixtures."""
+        seen = tuple(item for item in self.fixtures if not item.hidden)
+        return self if len(seen) == len(self.fixtures) else self.model_copy(update={"fixtures": seen})
+
+    @property
     def things(self) -> tuple[str, ...]:
         """Return the names of all fixed things: the table and the fixtures."""
         return ("table", *(item.name for item in self.fixtures))

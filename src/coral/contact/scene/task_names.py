@@ -8,8 +8,8 @@ from pathlib import Path
 from coral.errors import InputError, nearest
 
 TASKS_DIR = Path(__file__).parent / "tasks"
-SUITES = ("unseen", "long")
-"""Suites of tasks beside the shipped ones, each a folder with two halves."""
+SUITES = ("unseen", "long", "force")
+"""Suites of tasks beside the shipped ones, each a folder with two halves; `force` has no test half."""
 HALVES = ("development", "test")
 
 

@@ -51,7 +51,7 @@ def check_task(task: Task, where: str) -> None:
         expected = f"no more than the time limit, {task.time_limit_s:g} s"
         raise InputError(where, "success.hold_s", f"{task.success.hold_s:g} s", expected)
     for index, condition in enumerate(task.success.conditions):
-        condition.check(task, where, f"success.conditions[{index}]")
+        condition.check(task.known, where, f"success.conditions[{index}]")
     _check_goal_heights(task, where)
 
 

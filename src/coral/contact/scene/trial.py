@@ -52,6 +52,11 @@ class Trial:
     seed: int
     objects: dict[str, TrialObject]
 
+    @property
+    def known(self) -> Trial:
+        """Return the trial as planner and advisor know it: without hidden fixtures."""
+        return replace(self, task=self.task.known)
+
     def size(self, name: str) -> Array:
         """Return the full extents (m) of the object along its own axes, Shape=(3,)."""
         corners = self.corners(name)
