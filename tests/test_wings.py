@@ -63,7 +63,7 @@ def test_a_task_is_attempted_without_any_wing(spine):
     task = spine / "brief.yaml"
     task.write_text(re.sub(r"(?m)^time_limit_s: .*$", "time_limit_s: 0.6", shipped))
     done = run(
-        spine, CALLS, "contact", "run", task, "--world", "hand", "--variant", "expert", "--samples", "8",
+        spine, CALLS, "contact", "run", task, "--world", "hand", "--samples", "8",
         "--poses", "ground-truth", "--quiet", "--out", spine / "task",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

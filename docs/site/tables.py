@@ -72,7 +72,7 @@ NAMED = {
     "columns-shells": ("columns | what", "coral.reef.products.product_files:SHELLS"),
     "columns-density": ("columns | what", "coral.reef.products.product_files:DENSITY"),
     "products": ("keys | what", "coral.reef.products.product_files:NUMBERS"),
-    "question": ("keys | what", "coral.advisor.desk:KEYS"),
+    "question": ("keys | what", "coral.desk.advisor:KEYS"),
     "codes-advisor": ("code | what", "coral.advisor.codes:CODES"),
     "codes-survey": ("code | what", "coral.reef.decide.codes:CODES"),
     "codes-task": ("code | what", "coral.contact.plan.codes:CODES"),

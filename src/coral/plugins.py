@@ -53,7 +53,10 @@ OURS: dict[str, dict[str, str]] = {
         "simulated": "coral.reef.rehearsal.simulated_link:SimulatedLink",
         "ros2": "coral.reef.ros.ros_link:RosLink",
     },
-    "coral.advisors": {"ros2": "coral.reef.ros.ros_advisor:make_ros"},
+    "coral.advisors": {
+        "desk": "coral.desk.advisor:make_desk",
+        "ros2": "coral.reef.ros.ros_advisor:make_ros",
+    },
     "ros2": {
         "camera": "coral.reef.ros.ros_camera:RosCamera",
         "lens": "coral.reef.ros.camera_info:stated_camera",
@@ -69,6 +72,7 @@ OURS: dict[str, dict[str, str]] = {
         "classes": "coral.reef.networks.own_network:open_classes",
         "depth": "coral.reef.networks.relative_depth:with_depth",
     },
+    "experts": {"cost": "coral.contact.experts:expert"},
     "painter": {"reef": "coral.reef.paint.painter:Painter"},
     "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
     "notice": {"desk": "coral.desk.notice:mission_notice"},

@@ -103,6 +103,7 @@ def test_what_cannot_be_drawn_is_told_with_its_file_before_anything_runs(command
     assert [path.name for path in tmp_path.iterdir()] == ["low.yaml"]
 
 
+@pytest.mark.wing("coral.contact.experts")
 @pytest.mark.parametrize(
     ("name", "changes", "variant", "said"),
     [

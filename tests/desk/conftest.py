@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor.desk import DeskAdvisor
 from coral.advisor.question import Picture, Question, Rejection
+from coral.desk.advisor import DeskAdvisor
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice

@@ -16,7 +16,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.setting import Mistake, Rule, Setting
 from coral.errors import InputError, nearest
-from coral.plugins import find_plugins, load_plugin
+from coral.plugins import find_plugins, load_plugin, our_part
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +27,8 @@ class AdvisorEntry:
     """Form on the command line: a name, and its arguments after colons."""
     what: str
     """Short description."""
-    make: str
-    """`module:function` that makes it, imported on demand: (name, rest, `Setting`) to `Advisor`."""
+    make: str = ""
+    """`module:function` that makes it, imported on demand: (name, rest, `Setting`) to `Advisor`; "" if a wing does."""
     wraps: bool = False
     """Whether it changes the answers of another advisor: NAME:ARGUMENT:INNER."""
     rules: bool = False
@@ -77,7 +77,6 @@ ENTRIES = (
     AdvisorEntry(
         form="desk",
         what="a person, or any program that writes a file",
-        make="coral.advisor.desk:make_desk",
         person=True,
     ),
     AdvisorEntry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
@@ -202,6 +201,8 @@ def _maker(entry: AdvisorEntry, where: str) -> Callable[[str, str, Setting], Adv
     """Import the function that makes an advisor."""
     if entry.plugin:
         return load_plugin(find_plugins(GROUP)[entry.name], where)  # type: ignore[no-any-return]
+    if not entry.make:
+        return our_part(GROUP, entry.name, where)  # type: ignore[no-any-return]
     module, _, function = entry.make.partition(":")
     return getattr(importlib.import_module(module), function)  # type: ignore[no-any-return]
 

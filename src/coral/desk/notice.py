@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from coral.advisor.desk import read_answer
+from coral.desk.advisor import read_answer
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
 from coral.foreign_file import parse_json

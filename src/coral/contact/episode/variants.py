@@ -17,7 +17,6 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
 from coral.config import checked
 from coral.contact.cost_program.worker import CostWorker
-from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
@@ -28,6 +27,7 @@ from coral.contact.thinker.think_cfg import ThinkCfg, decision_budget
 from coral.contact.thinker.thinker import Thinker
 from coral.contact.thinker.thinking_clock import ThinkingClock, thinking_latency
 from coral.errors import InputError, nearest
+from coral.plugins import our_part
 
 
 def contact_model() -> ModelCfg:
@@ -74,6 +74,11 @@ class AdvisorSetup:
 
 
 Make = Callable[[Task, AdvisorSetup], Strategist]
+
+
+def _expert_variant(variant: str) -> Make:
+    """Make a variant that follows costs written by a person, which are a wing's."""
+    return lambda task, asking: FixedStrategist(our_part("experts", "cost", "--variant")(task, variant))
 
 
 def _asking_variant(variant: str, **parts: Any) -> Make:
@@ -124,8 +129,8 @@ def _lazy_logger(folder: Path | None) -> Callable[[Attempt], None] | None:
 
 
 VARIANTS: dict[str, Make] = {
-    "expert": lambda task, asking: FixedStrategist(expert(task, "expert")),
-    "expert-fsm": lambda task, asking: FixedStrategist(expert(task, "expert-fsm")),
+    "expert": _expert_variant("expert"),
+    "expert-fsm": _expert_variant("expert-fsm"),
     "full": _asking_variant("full"),
     # The same questions; `of_variant` makes the planner the paper's.
     "paper": _asking_variant("paper"),

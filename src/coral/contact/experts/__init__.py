@@ -1,4 +1,7 @@
-"""Hand-written costs for the six tasks, as a single stage and as a state machine (Table 1's expert baselines)."""
+"""Hand-written costs for the six tasks, as a single stage and as a state machine (Table 1's expert baselines).
+
+A wing. It needs no other.
+"""
 
 from __future__ import annotations
 

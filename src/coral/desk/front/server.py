@@ -13,12 +13,12 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from coral.desk.front.jobs import MOST, Job
+from coral.desk.front.run_list import run_card, run_folders
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.run_files import RunFiles
-from coral.run_list import run_card, run_folders
 from coral.view.live.viewer import Viewer
 from coral.web import WebServer, read_json
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor import desk as desk_module
-from coral.advisor.desk import KEYS, DeskAdvisor, read_answer
 from coral.advisor.question import BadAnswer, Picture, Question, Rejection
+from coral.desk import advisor as desk_module
+from coral.desk.advisor import KEYS, DeskAdvisor, read_answer
 from coral.reef.decide.answers import CentroidChoice
 
 

@@ -1,6 +1,6 @@
 import os
 
-from coral.run_list import run_card, run_folders
+from coral.desk.front.run_list import run_card, run_folders
 
 
 def test_the_latest_run_comes_first_and_links_are_left_out(tmp_path):
