@@ -24,7 +24,7 @@ from coral.reef.map.mapping import MapCfg, OccupancyMap, distance_to
 from coral.reef.paint.painter import Painter
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import clearance
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.water_types import find_water

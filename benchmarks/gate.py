@@ -31,7 +31,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import apply_preset
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.variants import apply_variant
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.world import ReefWorld
 from coral.runs import provenance
 

@@ -79,6 +79,7 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     from coral.reef.decide.tour_planner import TourPlanner
     from coral.reef.drive.controller import DdpMppi
     from coral.reef.eyes.reef_net import ReefNetEyes
+    from coral.reef.generator.generate import GeneratorCfg, generate
     from coral.reef.map.belief import Belief
     from coral.reef.map.mapping import OccupancyMap
     from coral.reef.mission.mission import Mission
@@ -87,7 +88,6 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     from coral.reef.pictures.questions import question_pictures
     from coral.reef.pilot.pilot import Pilot
     from coral.reef.vehicle.camera import Camera
-    from coral.reef.world.generate import GeneratorCfg, generate
     from coral.reef.world.geometry import Pose
     from coral.reef.world.scene import Scene
 

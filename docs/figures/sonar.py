@@ -24,7 +24,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.vehicle.camera import Camera
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.view.run import RunFolder

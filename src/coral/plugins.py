@@ -73,6 +73,10 @@ OURS: dict[str, dict[str, str]] = {
         "depth": "coral.reef.networks.relative_depth:with_depth",
     },
     "experts": {"cost": "coral.contact.experts:expert"},
+    "generator": {
+        "world": "coral.reef.generator.generated:make_world",
+        "names": "coral.reef.generator.generated:expand_name",
+    },
     "painter": {"reef": "coral.reef.paint.painter:Painter"},
     "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
     "notice": {"desk": "coral.desk.notice:mission_notice"},

@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 
 HEAVE_S = 0.5

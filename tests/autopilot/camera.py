@@ -37,7 +37,7 @@ from coral.reef.sea.reef_truth import ReefTruth
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld

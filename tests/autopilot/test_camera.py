@@ -8,7 +8,7 @@ import pytest
 from autopilot.camera import Judge, MjpegServer, repeating
 from coral.reef.sea.video_camera import VideoCamera
 from coral.reef.simulation.simulator import SimulatorCfg
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from coral.campaign.reef_tables import PAPER, reef_tables, word_tables
-from coral.reef.world.word_missions import half_of
+from coral.reef.generator.word_missions import half_of
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 

@@ -12,7 +12,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.runs import read_rows
 from reef.failing_sensors import fail
 

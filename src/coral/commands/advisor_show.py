@@ -85,7 +85,7 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
     from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.mission.variants import apply_variant
     from coral.reef.pictures.questions import question_pictures
-    from coral.reef.world.generated import find_world
+    from coral.reef.world.find_world import find_world
 
     cfg = MissionCfg(latency="0", stop_when_covered=False)
     if kind == WITHOUT_CHAIN:

@@ -34,6 +34,7 @@ from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.flags import Option
 from coral.reef.drive.controllers import controller_maker
+from coral.reef.generator.word_missions import half_of
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
@@ -41,8 +42,7 @@ from coral.reef.mission.resolution import reef_advisor, with_fallback
 from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.world.generated import expand_names, find_world
-from coral.reef.world.word_missions import half_of
+from coral.reef.world.find_world import expand_names, find_world
 from coral.reef.world.world import ReefWorld
 
 

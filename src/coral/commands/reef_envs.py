@@ -61,7 +61,7 @@ class ReefEnvs:
 
 
 def _found(names: Sequence[str]) -> list[ReefWorld]:
-    from coral.reef.world.generated import expand_names, find_world
+    from coral.reef.world.find_world import expand_names, find_world
 
     return [find_world(name) for name in expand_names(names)]
 

@@ -160,7 +160,7 @@ class ReefEyes:
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
         from coral.reef.vehicle.camera import Camera, CameraCfg
-        from coral.reef.world.generated import expand_names, find_world
+        from coral.reef.world.find_world import expand_names, find_world
         from coral.reef.world.scene import Scene
         from coral.reef.world.water_types import find_water
 

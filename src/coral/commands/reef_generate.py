@@ -13,7 +13,7 @@ from coral.file_writer import writing
 from coral.flags import Option
 from coral.foreign_file import parse_json
 from coral.plugins import our_part
-from coral.reef.world.generate import GeneratorCfg, command_line, generate
+from coral.reef.generator.generate import GeneratorCfg, command_line, generate
 from coral.reef.world.world import save_world
 from coral.words import many
 

@@ -47,7 +47,7 @@ class ReefPicture:
         from coral.reef.pictures.mapview import png
         from coral.reef.recordings.picture_export import add_picture, table_of
         from coral.reef.vehicle.camera import Camera, CameraCfg
-        from coral.reef.world.generated import find_world
+        from coral.reef.world.find_world import find_world
         from coral.reef.world.geometry import Pose
         from coral.reef.world.scene import Scene
         from coral.reef.world.water_types import JERLOV, find_water

@@ -30,7 +30,7 @@ from coral.reef.mission.resolution import reef_advisor, resolve_mission, with_so
 from coral.reef.mission.variants import VARIANTS
 from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import RunFiles
 from coral.runs import new_run_folder

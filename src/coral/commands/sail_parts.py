@@ -42,7 +42,7 @@ from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
 from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld, load_world

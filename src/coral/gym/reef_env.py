@@ -15,7 +15,7 @@ from coral.config import checked
 from coral.errors import InputError
 from coral.reef.map.localization import LocalizationCfg, Localizer
 from coral.reef.simulation.simulator import ReefSimulator, Sensed, SimulatorCfg
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.world import ReefWorld
 
 Observation = dict[str, NDArray[Any]]

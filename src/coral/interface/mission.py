@@ -21,7 +21,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import reef_advisor, resolve_mission
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.world import ReefWorld
 from coral.run_files import RunFiles
 from coral.run_loop import Observer

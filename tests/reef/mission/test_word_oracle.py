@@ -5,11 +5,11 @@ import math
 
 import pytest
 
+from coral.reef.generator.word_missions import word_mission
 from coral.reef.mission.word_oracle import _targets, true_answer, word_tour
 from coral.reef.vehicle.tour_kernels import advance
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
-from coral.reef.world.word_missions import word_mission
 
 
 def test_it_knows_the_right_answer():

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from coral.reef.generator.generated import one_thing
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.pictures.floor_mosaic import CELL_PX, seen_floor, split_bands
 from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map
 from coral.reef.vehicle.camera import Camera, CameraCfg
-from coral.reef.world.generated import one_thing
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 

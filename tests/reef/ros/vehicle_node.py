@@ -29,7 +29,7 @@ from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
-from coral.reef.world.generated import find_world
+from coral.reef.world.find_world import find_world
 from coral.reef.world.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).parents[2]))

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.eyes.ground_plane import ground_depth, network_input
+from coral.reef.generator.generate import GeneratorCfg, generate
+from coral.reef.generator.spines import EVERY_TOPOLOGY
 from coral.reef.paint.painter import Painter
 from coral.reef.paint.viewpoints import choose_viewpoints
 from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg, ray_lengths
-from coral.reef.world.generate import GeneratorCfg, generate
 from coral.reef.world.geometry import Frame, Label
 from coral.reef.world.scene import Scene
-from coral.reef.world.spines import EVERY_TOPOLOGY
 from coral.reef.world.water_types import JERLOV, Rgb, WaterType
 
 FIRST_SEED = 500_000

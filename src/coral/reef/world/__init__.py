@@ -1,1 +1,1 @@
-"""A reef as a file: oysters, obstacles, the survey's edge; its check, its generator and its geometry."""
+"""A reef as a file: oysters, obstacles, the survey's edge; its check and its geometry."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.world.wild_spines import APART_M, GAP_M, WILD, patchy, scatter
+from coral.reef.generator.wild_spines import APART_M, GAP_M, WILD, patchy, scatter
 
 SIZE = (40.0, 40.0)
 

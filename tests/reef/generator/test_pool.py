@@ -5,8 +5,8 @@ import math
 import pytest
 
 from coral.errors import InputError
-from coral.reef.world.generated import find_world
-from coral.reef.world.pool import BALLS, PASSAGE_M, RADIUS_M, SIZE_M, WATER_M, pool
+from coral.reef.generator.pool import BALLS, PASSAGE_M, RADIUS_M, SIZE_M, WATER_M, pool
+from coral.reef.world.find_world import find_world
 from coral.reef.world.world import check_world
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.world.wild_spines import WILD
+from coral.reef.generator.wild_spines import WILD
 
 Line = NDArray[np.float64]
 Topology = Literal["L", "S", "K", "E", "O", "branching", "looping", "patchy"]

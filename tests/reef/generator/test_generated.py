@@ -7,11 +7,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from coral.errors import InputError
-from coral.reef.world.generate import generate
-from coral.reef.world.generated import COUNT, GENERATED, expand_names, find_world, generated
+from coral.reef.generator.generate import generate
+from coral.reef.generator.generated import COUNT, GENERATED, generated
 from coral.reef.world.reachability import unreachable_clusters
-from coral.reef.world.world import ReefWorld, load_world, save_world
+from coral.reef.world.world import ReefWorld
 
 
 @pytest.fixture(scope="module", params=[5, pytest.param(1, marks=pytest.mark.slow)])
@@ -82,25 +81,3 @@ def test_patches_are_farther_apart_than_the_map_reaches(worlds):
             others = np.concatenate([other for i, other in enumerate(lines) if i != k])
             away = np.hypot(*(line[:, None] - others[None]).transpose(2, 0, 1)).min()
             assert away > (6.0 if world.size_m[0] >= 30.0 else 0.0)
-
-
-def test_sets_of_reefs_have_names():
-    assert expand_names(["s1", "gen:3-5", "gen:4"]) == ("s1", "gen:3", "gen:4", "gen:5")
-    assert expand_names(["generated"]) == tuple(GENERATED)
-    assert len(expand_names(["all", "generated"])) == 50
-    assert expand_names(["words:net:1-2", "words:all:1"])[:3] == ("words:net:1", "words:net:2", "words:living:1")
-    with pytest.raises(InputError, match="words:net:1-3"):
-        expand_names(["words:net:3-1"])
-    for name in ("gen:7-40", "gen:5-3"):
-        with pytest.raises(InputError, match="within gen:0-39"):
-            expand_names([name])
-
-
-def test_a_world_is_found_by_any_name(tmp_path):
-    assert find_world("s1") == load_world("s1")
-    assert find_world("gen:5") == generated("gen:5")
-    save_world(generated("gen:5"), tmp_path / "mine.yaml")
-    assert find_world(tmp_path / "mine.yaml") == generated("gen:5")
-    for name in ("gen:40", "gen:", "gen:x", "gen:-1"):
-        with pytest.raises(InputError, match="gen:0 to gen:39"):
-            find_world(name)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.world.spines import samples, spread, topology_lines
+from coral.reef.generator.spines import samples, spread, topology_lines
 
 
 def test_arms_of_the_k_diverge_from_its_node():

@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from coral.errors import InputError, shown
-from coral.reef.world.clutter import Clutter, Room, mm
-from coral.reef.world.spines import EVERY_TOPOLOGY, Line, Topology, samples, spread, topology_lines
-from coral.reef.world.wild_spines import WILD, scatter
+from coral.reef.generator.clutter import Clutter, Room, mm
+from coral.reef.generator.spines import EVERY_TOPOLOGY, Line, Topology, samples, spread, topology_lines
+from coral.reef.generator.wild_spines import WILD, scatter
 from coral.reef.world.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
 
 _APART_M = 3.0

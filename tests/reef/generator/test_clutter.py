@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.world.clutter import Clutter, Room, mm
+from coral.reef.generator.clutter import Clutter, Room, mm
 from coral.reef.world.reachability import distance_to, obstacle_outline
 
 START = (3.0, 10.0, 0.0)

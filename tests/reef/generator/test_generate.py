@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.reef.generator.generate import SHIPPED, GeneratorCfg, generate, shipped
+from coral.reef.generator.spines import EVERY_TOPOLOGY
 from coral.reef.map.chain import ChainCfg, components
 from coral.reef.simulation.coverage import rasterise
-from coral.reef.world.generate import SHIPPED, GeneratorCfg, generate, shipped
 from coral.reef.world.reachability import distance_to, obstacle_outline
 from coral.reef.world.scene import Scene
-from coral.reef.world.spines import EVERY_TOPOLOGY
 from coral.reef.world.world import ReefWorld, load_world, save_world
 from coral.reef.world.world_names import WORLDS_DIR
 

@@ -8,10 +8,10 @@ import re
 import pytest
 
 from coral.errors import InputError
-from coral.reef.world.generated import expand_names, find_world
+from coral.reef.generator.word_missions import APART_M, FAMILIES, word_mission
+from coral.reef.world.find_world import expand_names, find_world
 from coral.reef.world.instruction import Deeds, DoneBy, Inspected, KeptOff, Sides, Spared, spoken
 from coral.reef.world.kinds import find_kind
-from coral.reef.world.word_missions import APART_M, FAMILIES, word_mission
 
 
 @pytest.mark.parametrize("family", list(FAMILIES))
