@@ -55,6 +55,8 @@ OURS: dict[str, dict[str, str]] = {
     },
     "coral.advisors": {
         "desk": "coral.desk.advisor:make_desk",
+        "fallible": "coral.erring.fallible:make_fallible",
+        "sloppy": "coral.erring.sloppy:make_sloppy",
         "ros2": "coral.reef.ros.ros_advisor:make_ros",
     },
     "ros2": {
@@ -71,6 +73,10 @@ OURS: dict[str, dict[str, str]] = {
     "networks": {
         "classes": "coral.reef.networks.own_network:open_classes",
         "depth": "coral.reef.networks.relative_depth:with_depth",
+    },
+    "mistakes": {
+        "reef": "coral.reef.decide.mistakes:REEF_MISTAKES",
+        "contact": "coral.contact.mistakes.plausible:CONTACT_MISTAKES",
     },
     "experts": {"cost": "coral.contact.experts:expert"},
     "generator": {

@@ -2,10 +2,10 @@ import pytest
 
 from coral.advisor.attribution import DEFINITIONS, Attribution, attribution_of, source_of, spent, who_decided
 from coral.advisor.consult import Attempt
-from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.question import Usage
 from coral.advisor.replay import ReplayAdvisor
 from coral.advisor.rules import RuleAdvisor
+from coral.erring.fallible import FallibleAdvisor
 
 
 def attempt(verdict, asked=0.0, answered=2.5, **usage):

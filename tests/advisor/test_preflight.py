@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.preflight import model_of, preflight
 from coral.advisor.rules import RuleAdvisor
 from coral.cli import main
+from coral.erring.fallible import FallibleAdvisor
 from coral.errors import InputError
 
 CFG = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0, backoff_s=0.01)

@@ -9,7 +9,6 @@ from coral.advisor.recorded import RecordedAdvisor
 from coral.advisor.registry import make_advisor
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 
 
 class Anything(BaseModel):
@@ -64,4 +63,4 @@ def test_what_nobody_answered_is_not_answered(task, facts):
 
 def test_a_reef_has_no_recorded_advisor():
     with pytest.raises(InputError, match="in-order:reef-"):
-        make_advisor("recorded", rules=REEF_RULES, rng=np.random.default_rng(0), mistakes=REEF_MISTAKES)
+        make_advisor("recorded", rules=REEF_RULES, rng=np.random.default_rng(0))

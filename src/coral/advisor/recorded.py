@@ -72,8 +72,7 @@ def make_recorded(name: str, rest: str, setting: Setting) -> RecordedAdvisor:
     Raises:
         InputError: The application has reefs alone.
     """
-    asked = {kind for mistake in setting.mistakes for kind in mistake.questions}
-    if asked and all(kind.startswith("reef-") for kind in asked):
+    if setting.rules and all(kind.startswith("reef-") for kind in setting.rules):
         reefs = [name for name in shipped_recordings() if name.startswith("reef-")]
         expected = f"for a reef a recorded mission, such as in-order:{reefs[0]}: {name} holds answers to contact tasks"
         raise InputError(setting.where, "", name, expected)

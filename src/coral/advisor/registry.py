@@ -88,13 +88,11 @@ ENTRIES = (
     AdvisorEntry(
         form="fallible:P:INNER",
         what="another advisor, of whose answers a share P is malformed, out of range, stale or missing",
-        make="coral.advisor.fallible:make_fallible",
         wraps=True,
     ),
     AdvisorEntry(
         form="sloppy:ERRORS:INNER",
         what="another advisor that errs plausibly: answers that look right and are not",
-        make="coral.advisor.sloppy:make_sloppy",
         wraps=True,
     ),
 )

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.errors import InputError
+from coral.plugins import our_part
 
 Answer = dict[str, Any]
 """An answer as JSON."""
@@ -50,6 +51,14 @@ class Mistake:
     part: str = ""
     """The part of an answer that it spoils: a question that asks for several things at once has as many chances of
     error as questions that ask for one each."""
+
+
+def known_mistakes(system: str) -> tuple[Mistake, ...]:
+    """Return the plausible errors of a system, `reef` or `contact`; none where their wing is off, as `sloppy` is."""
+    try:
+        return tuple(our_part("mistakes", system, "--advisor"))
+    except InputError:
+        return ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from recorded import RULES
 
-from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
@@ -15,6 +14,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.erring.fallible import FallibleAdvisor
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.report import write_contact_report
 from coral.view.contact.thought import answers, counted, seen, thoughts

@@ -15,10 +15,10 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
+from coral.advisor.setting import known_mistakes
 from coral.config import checked
 from coral.contact.cost_program.worker import CostWorker
 from coral.contact.memory.memory import Memory
-from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
@@ -44,7 +44,8 @@ def contact_advisor(
         InputError: What `make_advisor` raises.
     """
     rng, cfg = np.random.default_rng(key), checked(model, "--model")
-    return make_advisor(spec, rules={}, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=CONTACT_MISTAKES)
+    mistakes = known_mistakes("contact")
+    return make_advisor(spec, rules={}, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=mistakes)
 
 
 @dataclass(frozen=True, kw_only=True)

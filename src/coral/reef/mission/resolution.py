@@ -13,9 +13,9 @@ from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
+from coral.advisor.setting import known_mistakes
 from coral.config import checked
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
@@ -73,7 +73,7 @@ def reef_advisor(
         inbox=inbox,
         cfg=dataclasses.replace(model, facts=model.facts or facts),
         where=where,
-        mistakes=REEF_MISTAKES,
+        mistakes=known_mistakes("reef"),
     )
 
 

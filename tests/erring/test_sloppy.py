@@ -9,7 +9,7 @@ from coral.advisor.attribution import source_of
 from coral.advisor.latency import default_latency
 from coral.advisor.question import Question, Reply
 from coral.advisor.setting import Mistake
-from coral.advisor.sloppy import Rates, SloppyAdvisor, parse_rates
+from coral.erring.sloppy import Rates, SloppyAdvisor, parse_rates
 
 
 class Pick(BaseModel):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor.fallible import KINDS, FallibleAdvisor, spoil_number
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question
 from coral.advisor.rules import RuleAdvisor
+from coral.erring.fallible import KINDS, FallibleAdvisor, spoil_number
 
 
 class Choice(BaseModel):
