@@ -16,16 +16,20 @@ TESTS = ROOT / "tests"
 
 def tests_without(name):
     """Return the test files that remain when a wing is off."""
-    needing = {name} | {other for other in wings() if f"`{name}`" in page_of(other)}
+    listed = wings()
+    pages = {other: page_of(other) for other in listed}
+    needing = {name} | {other for other, page in pages.items() if f"`{name}`" in page}
     useless = set(needing)
-    while more := {other for other in wings() if any(f"`{one}`" in page_of(other) for one in useless)} - useless:
+    while more := {other for other, page in pages.items() if any(f"`{one}`" in page for one in useless)} - useless:
         useless |= more
-    words = "|".join(re.escape(each) for path in paths(needing) for each in (path.replace("/", "."), f"{path}.py"))
+    off = [path for one in needing for path in paths(listed[one])]
+    words = "|".join(re.escape(each) for path in off for each in (path.replace("/", "."), f"{path}.py"))
     named = re.compile(rf"\b(?:{words})\b")
+    folders = [path for one in useless for path in paths(listed[one])]
     kept = []
     for path in sorted(TESTS.rglob("test_*.py")):
         inside = str(path.relative_to(TESTS)).removesuffix(".py").replace("test_", "")
-        if any(inside == each or inside.startswith(f"{each}/") for each in paths(useless)):
+        if any(inside == each or inside.startswith(f"{each}/") for each in folders):
             continue
         if inside.split("/")[0] in ("e2e", "model", "benchmarks", "autopilot") or path.parent == TESTS:
             continue
@@ -34,9 +38,9 @@ def tests_without(name):
     return kept
 
 
-def paths(names):
-    """Return where the modules of wings are, below the package."""
-    return [module.replace(".", "/").removeprefix("coral/") for name in names for module in wings()[name][0]]
+def paths(wing):
+    """Return where the modules of a wing are, below the package."""
+    return [module.replace(".", "/").removeprefix("coral/") for module in wing[0]]
 
 
 def page_of(name):
