@@ -12,6 +12,8 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 
+pytestmark = pytest.mark.wing("coral.erring")
+
 CFG = MissionCfg(time_limit_s=14.0, latency="fixed:2", record=RecordCfg(pictures=False, frames=False))
 
 

@@ -19,6 +19,8 @@ from coral.advisor.rules import RuleAdvisor
 from coral.advisor.setting import Mistake
 from coral.errors import InputError
 
+pytestmark = pytest.mark.wing("coral.erring")
+
 
 class Pick(BaseModel):
     index: int

@@ -10,6 +10,8 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 
+pytestmark = pytest.mark.wing("coral.contact.experts")
+
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
 SKIP = ["--no-preflight", "--model.max-retries", "0", "--model.format-repairs", "0", "--cfg.think.latency", "0"]
 

@@ -160,6 +160,7 @@ def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_pa
     assert err.count("at 0.0 s the advisor gave no usable plan: ") == 1
 
 
+@pytest.mark.wing("coral.erring")
 @pytest.mark.parametrize("advisor", ["recorded", "fallible:0.5:recorded"])
 def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys, advisor):
     monkeypatch.chdir(tmp_path)

@@ -18,6 +18,8 @@ from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, save_world
 
+pytestmark = pytest.mark.wing("coral.erring")
+
 
 @pytest.fixture(scope="module")
 def puddle(tmp_path_factory):

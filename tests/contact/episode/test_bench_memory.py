@@ -8,6 +8,8 @@ from recorded import as_attempts
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
 
+pytestmark = pytest.mark.wing("coral.erring")
+
 pytestmark = pytest.mark.slow
 QUICK = [
     "--samples",

@@ -20,6 +20,8 @@ from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import RunError
 
+pytestmark = pytest.mark.wing("coral.contact.experts")
+
 EXPERT = {"world": "hand", "variant": "expert", "advisor": "none", "seed": 0}
 FULL = {"world": "hand", "variant": "full", "advisor": "recorded", "seed": 0}
 

@@ -16,6 +16,8 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 
+pytestmark = pytest.mark.wing("coral.erring")
+
 CFG = MissionCfg(time_limit_s=10.0, latency="fixed:1")
 NAMED = {"variant": "full", "advisor": "fallible:0.7:heuristic", "seed": 4}
 

@@ -171,6 +171,7 @@ def test_fail_ends_the_mission_and_says_why(pond, tmp_path):
     assert sum(result["decided_by"].values()) == 0
 
 
+@pytest.mark.wing("coral.erring")
 def test_sources_add_up_to_the_goals_that_were_adopted_or_held(pond, tmp_path):
     rng = np.random.default_rng(1)
     advisor = make_advisor("fallible:0.8:heuristic", rules=REEF_RULES, rng=rng)
