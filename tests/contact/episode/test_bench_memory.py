@@ -8,9 +8,7 @@ from recorded import as_attempts
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
 
-pytestmark = pytest.mark.wing("coral.erring")
-
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.wing("coral.erring")]
 QUICK = [
     "--samples",
     "16",
