@@ -32,7 +32,6 @@ RARE = {
     "controller.recovery_speed_m_s": "drive/controller.py",
     "belief.inspect.confirmed": "map/belief.py",
     "map.doubt": "eyes/doubt.py",
-    "map.sight.target_ratio": "map/mapping.py",
     "map.sight": "map/sight_layer.py",
     "pilot.action_s": "pilot/pilot.py",
     "pilot.blind_speed_m_s": "pilot/pilot.py",

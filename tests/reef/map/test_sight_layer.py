@@ -68,7 +68,7 @@ def test_no_obstacle_is_under_the_vehicle():
     ("place", "freed"), [((0.02, 0.02), 17), ((9.98, 9.98), 17), ((-3.0, 5.0), 0), ((5.0, 14.0), 0)]
 )
 def test_the_vehicle_may_be_at_the_edge_of_the_map_and_beyond(place, freed):
-    layer = SightLayer(np.ones((200, 200), np.bool_), 0.05, CAMERA, SightLayerCfg())
+    layer = SightLayer(np.ones((200, 200), np.bool_), 0.05, CAMERA, 2.3, SightLayerCfg())
     assert layer._clear_under(Pose(*place, 0.0)) is (freed > 0)
     assert (~layer.obstacle).sum() == freed
 
@@ -202,3 +202,24 @@ def test_what_a_map_recalls_holds_the_obstacles_of_sight():
     drive(cells, APPROACH, POST)
     later.recall(cells.memory())
     assert np.array_equal(later.obstacle, cells.obstacle)
+
+
+@pytest.mark.parametrize("sonar", [None, SMALL])
+def test_a_shadow_taken_for_oysters_from_afar_is_floor_once_it_is_looked_at_from_near(sonar):
+    cells = OccupancyMap((10.0, 10.0), CAMERA, sonar=sonar)
+
+    def look(x, oysters):
+        pose = Pose(x, 5.0, 0.0)
+        view = seen(pose)
+        labels = np.where(view.labels == Label.SEABED, np.uint8(Label.OYSTER if oysters else Label.SEABED), view.labels)
+        cells.integrate(dataclasses.replace(view, labels=labels), pose)
+
+    for k in range(8):
+        look(2.0 + 0.12 * k, True)
+    assert cells.target[100, 120]  # 4 m away at first
+    for k in range(4):
+        look(4.2 + 0.12 * k, False)
+    assert not cells.target[100, 120]
+    for k in range(5):
+        look(4.8 + 0.12 * k, True)
+    assert cells.target[100, 120]

@@ -216,7 +216,7 @@ def test_who_is_fenced_in_by_doubt_looks_round_and_goes_on_instead_of_ending(dri
     cells = mission.pilot.belief.map
     wall = np.zeros(cells.obstacle.shape, np.bool_)
     wall[:, 280:282] = True
-    cells.sight = SightLayer(wall.copy(), cells.cfg.cell_m, cells.camera, SightLayerCfg())
+    cells.sight = SightLayer(wall.copy(), cells.cfg.cell_m, cells.camera, 2.3, SightLayerCfg())
     cells.sight._sure[:] = sure
     cells.obstacle |= wall
     cells.explored[:, :300] = True

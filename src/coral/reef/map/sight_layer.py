@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import NonNegative, Positive
+from coral.config import Positive
 from coral.reef.map.sight_layer_kernels import scan, trace
 from coral.reef.vehicle.camera import CameraCfg, pixel_rays
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
@@ -33,11 +33,6 @@ BACK_SHARE = 0.1
 class SightLayerCfg:
     """What a line of sight says of the cells, where obstacles are told by a network's picture alone."""
 
-    sharp_pixel_m: Positive = 0.05
-    """Looks count fully while a pixel is at most this wide, 2.3 m away with the default camera; then less and less.
-    Where oysters have been looked for from this near, looks from farther away no longer count."""
-    target_ratio: NonNegative = 0.5
-    """A cell seen from that near is no target if fewer pictures show oysters than this share of those with seabed."""
     through: Positive = 0.5
     """Weight of a look through a cell; a look that ends there weighs 1."""
     most: Positive = 2.0
@@ -56,9 +51,14 @@ class SightLayerCfg:
 class SightLayer:
     """Keeps for each cell the evidence for and against an obstacle."""
 
-    def __init__(self, known: NDArray[np.bool_], cell_m: float, camera: CameraCfg, cfg: SightLayerCfg) -> None:
-        """Set up for a grid with cells of `cell_m` (m), in which obstacles are known. Shape=(NY, NX)."""
-        self.cfg, self.camera, self._cell_m = cfg, camera, cell_m
+    def __init__(
+        self, known: NDArray[np.bool_], cell_m: float, camera: CameraCfg, sharp_m: float, cfg: SightLayerCfg
+    ) -> None:
+        """Set up for a grid with cells of `cell_m` (m), in which obstacles are known. Shape=(NY, NX).
+
+        Looks count fully up to `sharp_m` (m), then less and less.
+        """
+        self.cfg, self.camera, self._cell_m, self._sharp_m = cfg, camera, cell_m, sharp_m
         self.obstacle = known
         """Obstacle cells. Shape=(NY, NX)."""
         self.odds = np.where(known, 2.0 * cfg.most, 0.0).astype(np.float32)
@@ -71,8 +71,6 @@ class SightLayer:
         self._last: Pose | None = None
         self.counted = False
         """Whether the last picture was evidence: taken at another place than the one before."""
-        self.sharp_m = cfg.sharp_pixel_m * camera.intrinsics[0]
-        """Distance up to which looks count fully (m)."""
 
     @property
     def doubtful(self) -> NDArray[np.bool_]:
@@ -140,7 +138,7 @@ class SightLayer:
                 self._cell_m,
                 ranges_m[0],
                 ranges_m[1],
-                self.sharp_m,
+                self._sharp_m,
                 BACK_M,
                 BACK_SHARE,
                 cfg.through,
