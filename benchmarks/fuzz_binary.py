@@ -232,11 +232,12 @@ def bag_parsers(refused: tuple[type[Exception], ...]) -> dict[str, Given]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         return {}
-    from coral.ros.bag_reader import count_messages, read_messages
+    from coral.ros.bag_reader import Bag
 
     def read(path: Path) -> object:
-        count_messages(path)
-        return list(read_messages(path, {"/odometry"}))
+        bag = Bag(path)
+        bag.count_messages()
+        return list(bag.read_messages({"/odometry"}))
 
     def folder(path: Path) -> object:
         inside = path.parent / "bag"

@@ -3,7 +3,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.ros.bag_reader import count_messages, read_messages
+from coral.ros.bag_reader import Bag
 from coral.ros.bag_writer import nanoseconds_of, open_bag
 
 pytest.importorskip("rosbags")
@@ -15,8 +15,8 @@ def test_what_is_sent_is_read_and_what_is_there_stays(tmp_path, single_file):
     path = tmp_path / ("told.mcap" if single_file else "told")
     with open_bag(path, TOPICS, single_file=single_file) as bag:
         bag.send("/told", 0.5, bag.text("here"))
-    assert bag.counts == count_messages(path) == {"/told": 1}
-    assert [message.data for _, message in read_messages(path, {"/told"})] == ["here"]
+    assert bag.counts == Bag(path).count_messages() == {"/told": 1}
+    assert [message.data for _, message in Bag(path).read_messages({"/told"})] == ["here"]
     assert list(tmp_path.iterdir()) == [path]
     with (
         pytest.raises(InputError, match="something that exists already"),

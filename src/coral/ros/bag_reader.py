@@ -75,8 +75,11 @@ class Bag:
         Raises:
             InputError: It is no bag.
         """
-        with _opened(self._path, self._parts) as reader:
-            return _counts(reader)
+        found = dict[str, int]()
+        with self._opened() as reader:
+            for one in reader.connections:  # each part of a bag has its own
+                found[one.topic] = found.get(one.topic, 0) + one.msgcount
+        return found
 
     def message_types(self) -> dict[str, str]:
         """Return the type of the messages on each topic.
@@ -84,7 +87,7 @@ class Bag:
         Raises:
             InputError: It is no bag.
         """
-        with _opened(self._path, self._parts) as reader:
+        with self._opened() as reader:
             return {one.topic: one.msgtype for one in reader.connections}
 
     def read_messages(self, wanted: set[str]) -> Iterator[tuple[str, Any]]:
@@ -93,62 +96,39 @@ class Bag:
         Raises:
             InputError: It is no bag, or a message is damaged.
         """
-        with _opened(self._path, self._parts) as reader:
-            yield from _messages(reader, self._path, wanted)
-
-
-def count_messages(path: Path) -> dict[str, int]:
-    """Return the number of messages on each topic.
-
-    Raises:
-        InputError: It is no bag, or rosbags is not installed.
-    """
-    with _opened(path) as reader:
-        return _counts(reader)
-
-
-def _counts(reader: Any) -> dict[str, int]:
-    found = dict[str, int]()
-    for one in reader.connections:  # each part of a bag has its own
-        found[one.topic] = found.get(one.topic, 0) + one.msgcount
-    return found
-
-
-def message_types(path: Path) -> dict[str, str]:
-    """Return the type of the messages on each topic.
-
-    Raises:
-        InputError: It is no bag, or rosbags is not installed.
-    """
-    with _opened(path) as reader:
-        return {one.topic: one.msgtype for one in reader.connections}
-
-
-def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
-    """Return topic and message of all messages on some topics, in order of time, one after the other.
-
-    Raises:
-        InputError: It is no bag, a message is damaged, or rosbags is not installed.
-    """
-    with _opened(path) as reader:
-        yield from _messages(reader, path, wanted)
-
-
-def _messages(reader: Any, path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
-    connections = [one for one in reader.connections if one.topic in wanted]
-    if not connections:
-        return
-    try:
-        for connection, _, raw in reader.messages(connections=connections):
+        with self._opened() as reader:
+            connections = [one for one in reader.connections if one.topic in wanted]
+            if not connections:
+                return
             try:
-                message = reader.deserialize(raw, connection.msgtype)
-            except Exception as error:  # a damaged message: the library has no common class for this
-                raise InputError(str(path), connection.topic, first_line(error), "a whole message") from None
-            yield connection.topic, message
-    except InputError:
-        raise
-    except Exception as error:  # damaged bytes: no common class either
-        raise InputError(str(path), "", first_line(error), "a whole file") from None
+                for connection, _, raw in reader.messages(connections=connections):
+                    try:
+                        message = reader.deserialize(raw, connection.msgtype)
+                    except Exception as error:  # a damaged message: the library has no common class for this
+                        raise InputError(self.where, connection.topic, first_line(error), "a whole message") from None
+                    yield connection.topic, message
+            except InputError:
+                raise
+            except Exception as error:  # damaged bytes: no common class either
+                raise InputError(self.where, "", first_line(error), "a whole file") from None
+
+    @contextmanager
+    def _opened(self) -> Iterator[Any]:
+        """Open the files, or what is read in their place."""
+        from rosbags.typesys import Stores, get_typestore
+
+        path, parts = self._path, self._parts
+        _refuse_odd_files(path, parts)
+        try:
+            types = get_typestore(Stores.ROS2_HUMBLE)
+            reader = _library(path)(parts or _loose_files(path) or [path], default_typestore=types)
+            reader.open()
+        except Exception as error:  # damaged bytes raise all kinds
+            raise _cannot_open(path, error) from None
+        try:
+            yield reader
+        finally:
+            reader.close()
 
 
 def stamp_of(message: Any) -> float:
@@ -172,24 +152,6 @@ def _library(path: Path) -> Any:
     _bound_chunks(storage_mcap, rosbag1)
     _remember_definitions(anyreader)
     return AnyReader
-
-
-@contextmanager
-def _opened(path: Path, parts: list[Any] | None = None) -> Iterator[Any]:
-    """Open a bag; `parts` are what to open in place of its files, where some have no end."""
-    make = _library(path)
-    from rosbags.typesys import Stores, get_typestore
-
-    _refuse_odd_files(path, parts)
-    try:
-        reader = make(parts or _loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
-        reader.open()
-    except Exception as error:  # damaged bytes raise all kinds
-        raise _cannot_open(path, error) from None
-    try:
-        yield reader
-    finally:
-        reader.close()
 
 
 def _cannot_open(path: Path, error: Exception) -> InputError:

@@ -14,8 +14,9 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
 from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
-from coral.ros.bag_reader import message_types, read_messages, stamp_of
+from coral.ros.bag_reader import Bag, stamp_of
 from coral.ros.camera_pictures import colours_in, values_in
+from coral.terminal import tell
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
@@ -46,7 +47,10 @@ class BagRgbdCamera:
         self._placed = np.eye(4) if T_world_camera is None else T_world_camera
         if not self.path.exists():
             raise InputError("--camera", "", self.name, "a ROS 2 bag or an MCAP file")
-        self.topics = _choose_topics(self.path, message_types(self.path), asked)
+        self._bag = Bag(self.path)
+        for remark in self._bag.remarks:
+            tell(remark)
+        self.topics = _choose_topics(self.path, self._bag.message_types(), asked)
         self._frames: Iterator[RgbdFrame] = iter(())
         self._next: RgbdFrame | None = None
 
@@ -76,7 +80,7 @@ class BagRgbdCamera:
         removal: Undistortion | None = None
         colours: deque[tuple[float, NDArray[np.uint8]]] = deque(maxlen=3)
         waiting: tuple[float, NDArray[np.float32]] | None = None
-        for topic, message in read_messages(self.path, set(self.topics.values())):
+        for topic, message in self._bag.read_messages(set(self.topics.values())):
             if topic == self.topics["info"]:
                 if removal is None:
                     removal = self._read_lens(message)
