@@ -1,5 +1,7 @@
 """A bag with a camera and a sonar."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from survey_runs import CAMERA, patch, poses, write_run
@@ -81,7 +83,7 @@ def recorded(tmp_path_factory):
 
 def test_the_sonars_obstacles_reach_the_map_and_the_cameras_oysters_stay(recorded):
     beams, farther = SonarCfg(width=64, height=24), MapCfg(sonar=SonarLayerCfg(range_m=8.0))  # the ring is 6 m away
-    heard = read_bag(recorded / "heard", BagTopics(), cfg=farther, sonar=beams).located()
+    heard = replace(read_bag(recorded / "heard", BagTopics(), sonar=beams), map=farther).located()
     assert heard.sonar.pitch_down_deg == pytest.approx(SONAR.pitch_down_deg)
     assert len(next(iter(heard.keyframes())).pings) == 1
     cells = map_of(heard)

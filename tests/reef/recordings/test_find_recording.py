@@ -3,13 +3,11 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.map.mapping import MapCfg
 from coral.reef.recordings.find_recording import find_recording
 
 
 def test_a_run_and_its_pictures_are_found(survey_run, tmp_path):
     assert find_recording(survey_run).name == "patch"
-    assert find_recording(survey_run, cfg=MapCfg(cell_m=0.1)).map.cell_m == 0.1
     (tmp_path / "cam.yaml").write_text("{width: 80, height: 60}\n")
     found = find_recording(survey_run / "frames", camera=tmp_path / "cam.yaml")
     assert (found.name, found.camera.width) == ("frames", 80)

@@ -17,7 +17,7 @@ from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, meas
 from coral.reef.products.judgement import Judgement, judge
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
 from coral.reef.products.picture_labels import LabelsCfg
-from coral.reef.products.seen_points import count_looks
+from coral.reef.products.seen_points import count_looks, grid_shape
 from coral.reef.products.shell_count import ShellCount, count_shells
 from coral.reef.recordings.recording import Recording, map_of
 
@@ -106,7 +106,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         clusters=tuple(measure_clusters(cells, group, looks, cover, without, cfg.clusters)),
         cover=in_cells,
         density=mean_in_cells(
-            share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
+            share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, grid_shape(recording, cfg.density_cell_m), 0.2
         ),
         density_cell_m=cfg.density_cell_m,
         seen=cover.known,
@@ -136,8 +136,3 @@ def mean_in_cells(
     enough = count * fine_m**2 >= least * cell_m**2
     mean = np.where(enough, total / np.maximum(count, 1.0), np.nan)
     return mean.reshape(shape).astype(np.float32)
-
-
-def _shape(recording: Recording, cell_m: float) -> tuple[int, int]:
-    width, height = recording.size_m
-    return int(np.ceil(height / cell_m - 1e-9)), int(np.ceil(width / cell_m - 1e-9))

@@ -80,7 +80,6 @@ def read_bag(
     path: Path,
     topics: BagTopics,
     camera: RecordedCamera | None = None,
-    cfg: MapCfg | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
     sonar: SonarCfg | None = None,
@@ -124,9 +123,7 @@ def read_bag(
         _lift(track, 0.0, mount_at(track.odometry.times[0]), camera, where)
     elif (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
         remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
-    cfg = cfg or MapCfg()
-    if contents.cell_m is not None:
-        cfg = replace(cfg, cell_m=contents.cell_m)
+    cfg = MapCfg() if contents.cell_m is None else MapCfg(cell_m=contents.cell_m)
     omitted: set[float] = set()
     hearing = open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.log_recording import find_log, read_log_folder
@@ -25,7 +23,6 @@ def find_recording(
     *,
     camera: Path | None = None,
     topics: BagTopics | None = None,
-    cfg: MapCfg | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
     sonar: SonarCfg | None = None,
@@ -49,12 +46,11 @@ def find_recording(
             "--pictures-start-s", "", pictures_start_s, "an autopilot's log (.tlog, .BIN) as the recording"
         )
     if is_bag(path):
-        return read_bag(path, topics or BagTopics(), given, cfg, perception, period_s, sonar)
+        return read_bag(path, topics or BagTopics(), given, perception, period_s, sonar)
     if is_run(path):
         if given is not None:
             raise InputError("--camera", "", str(camera), "none: a run knows its camera")
-        found = read_run(path, perception, period_s)
-        return found if cfg is None else replace(found, map=cfg)
+        return read_run(path, perception, period_s)
     if log is None and not (path / TABLE).is_file():
         raise InputError(str(path), "", "something else", KINDS)
     folder = path if log is None else log.parent
@@ -63,7 +59,5 @@ def find_recording(
             raise InputError(str(folder), "camera.yaml", "nothing", "the camera, there or by --camera FILE.yaml")
         given = read_camera(folder / "camera.yaml")
     if log is None:
-        found = read_folder(path, given, perception, period_s)
-    else:
-        found = read_log_folder(log, given, perception, period_s, pictures_start_s)
-    return found if cfg is None else replace(found, map=cfg)
+        return read_folder(path, given, perception, period_s)
+    return read_log_folder(log, given, perception, period_s, pictures_start_s)
