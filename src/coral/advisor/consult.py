@@ -85,7 +85,6 @@ class Clock(Protocol):
             TimeoutError: It did not arrive within `timeout_s` seconds of this clock.
             Withdrawn: The question was withdrawn meanwhile.
         """
-        ...
 
 
 async def consult(

@@ -129,7 +129,6 @@ class Advisor(Protocol):
             BadAnswer: The reply does not validate.
             AdvisorUnavailable: There is no reply.
         """
-        ...
 
 
 def trait(advisor: Any, name: str, default: Any = None) -> Any:

@@ -78,28 +78,21 @@ class HighLevelPlanner(Protocol):
 
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, on its `way` to its present goal."""
-        ...
 
     def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
         """Make a question. It reads nothing but its arguments, so it may run on another thread."""
-        ...
 
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check an answer in the state in which it was asked, and against the map as it is now."""
-        ...
 
     def locate(self, asked: AskedState, answer: Answer) -> Goal | Rejection | None:
         """Return the goal that an answer means; None if what it chose has vanished from the map since."""
-        ...
 
     def onward(self, asked: AskedState, answer: Answer) -> list[Goal]:
         """Return the goals that an answer names after the first one."""
-        ...
 
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
         """Take over a choice, and return what the event of its goal tells of it."""
-        ...
 
     def settle(self) -> list[Guess]:
         """Return the guesses that have come out since the last call."""
-        ...

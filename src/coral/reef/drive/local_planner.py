@@ -19,8 +19,6 @@ class LocalPlanner(Protocol):
         self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *, cell_m: float = 0.05
     ) -> Plan:
         """Command for the next tick, from the cost-to-go and the distances (m) to known obstacles."""
-        ...
 
     def reset(self) -> None:
         """Forget the previous plan: the vehicle has stood still since."""
-        ...

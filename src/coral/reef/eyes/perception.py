@@ -51,7 +51,6 @@ class RgbPerception(Protocol):
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth in an sRGB picture, Shape=(H, W, 3), taken by a camera in a measured attitude."""
-        ...
 
 
 def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitude: CameraAttitude) -> Frame:

@@ -13,11 +13,9 @@ class Ticks(Protocol):
 
     def begin(self, step: int) -> tuple[float, float]:
         """Wait until tick number `step` is due. Return its time, and that since the last one (s)."""
-        ...
 
     def end(self, step: int) -> float:
         """Return the time (s) after the command of a tick; `step` ticks are done."""
-        ...
 
 
 class SimulatedTicks:
@@ -40,15 +38,12 @@ class LoopHooks(Protocol):
 
     def located(self) -> None:
         """The robot has observed, and knows where it is."""
-        ...
 
     def decided(self) -> None:
         """The robot has decided; its command may still be changed."""
-        ...
 
     def commanded(self) -> str:
         """The command is out and the step is counted. Return why the mission is over, or ""."""
-        ...
 
 
 class MissionLoop:

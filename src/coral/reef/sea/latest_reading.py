@@ -38,7 +38,6 @@ class SensorSource(Protocol[T_co]):
     @property
     def name(self) -> str:
         """As in the preflight list: kind, size, where it comes from."""
-        ...
 
     def read(self) -> T_co | None:
         """Wait for the next measurement; None when there is none this time.
@@ -46,11 +45,9 @@ class SensorSource(Protocol[T_co]):
         Raises:
             UnfitMeasurement: What came is no measurement, with the name of what is wrong.
         """
-        ...
 
     def close(self) -> None:
         """Free the sensor."""
-        ...
 
 
 def rate_of(times: Sequence[float]) -> float | None:

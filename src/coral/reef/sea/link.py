@@ -90,11 +90,14 @@ class VehicleReport:
 
 
 class VehicleLink(Protocol):
-    """A vehicle that can be driven. `report` and `command` never block; the orders may take seconds."""
+    """A vehicle that can be driven. `report` and `command` never block; the orders may take seconds.
+
+    The orders `arm`, `disarm`, `hold` and `surface` raise LinkRefused: the autopilot said no, with its words, or did
+    not answer.
+    """
 
     def report(self) -> VehicleReport:
         """Return the latest state."""
-        ...
 
     def command(self, forward_m_s: float, yaw_rate_rad_s: float, depth_m: float) -> None:
         """Send one set-point, to be followed at most a few seconds if no other comes.
@@ -102,40 +105,18 @@ class VehicleLink(Protocol):
         The speed is over ground along the body's x axis, a positive yaw rate turns to the left, the depth is positive
         down. It is ignored while the vehicle is disarmed or taken over. Numbers that are not finite stop the vehicle.
         """
-        ...
 
     def arm(self) -> None:
-        """Take control: enter the driving mode and arm. Also the way back after a hold or an override.
-
-        Raises:
-            LinkRefused: The autopilot said no, with its words, or did not answer.
-        """
-        ...
+        """Take control: enter the driving mode and arm. Also the way back after a hold or an override."""
 
     def disarm(self) -> None:
-        """Stop the thrusters.
-
-        Raises:
-            LinkRefused: The autopilot said no, with its words, or did not answer.
-        """
-        ...
+        """Stop the thrusters."""
 
     def hold(self) -> None:
-        """Stay where it is, by the autopilot's own means: POSHOLD with a position, ALT_HOLD without.
-
-        Raises:
-            LinkRefused: The autopilot said no, with its words, or did not answer.
-        """
-        ...
+        """Stay where it is, by the autopilot's own means: POSHOLD with a position, ALT_HOLD without."""
 
     def surface(self) -> None:
-        """Come up, by the autopilot's own means.
-
-        Raises:
-            LinkRefused: The autopilot said no, with its words, or did not answer.
-        """
-        ...
+        """Come up, by the autopilot's own means."""
 
     def close(self) -> None:
         """Stop sending and free the port. The vehicle stays as it is: its own failsafes act from here on."""
-        ...

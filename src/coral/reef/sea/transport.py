@@ -25,23 +25,18 @@ class Transport(Protocol):
     @property
     def sender(self) -> Hashable:
         """Who sent what `receive` returned last; None on a line that has one end."""
-        ...
 
     def answer(self, peer: Hashable) -> None:
         """From now on send to this peer alone; None: to everybody who has been heard."""
-        ...
 
     def receive(self, timeout_s: float) -> bytes:
         """Wait so long (s) at most for bytes; b"" if none came."""
-        ...
 
     def send(self, data: bytes) -> None:
         """Send bytes, or drop them if that would block."""
-        ...
 
     def close(self) -> None:
         """Free the port."""
-        ...
 
 
 class UdpLine:

@@ -89,8 +89,6 @@ class Vehicle(Protocol):
 
     def observe(self, t: float) -> VehicleObservation:
         """Return the newest measurements at time `t` of the mission (s), in the survey's frame."""
-        ...
 
     def command(self, command: tuple[float, float]) -> None:
         """Follow a forward speed (m/s) and a yaw rate (rad/s, positive to the left) until the next command."""
-        ...
