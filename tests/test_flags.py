@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from coral.flags import MANY, Argument, FlagGroup, Option, describe, shown
+from coral.flags import MANY, Argument, FlagGroup, Option, class_doc, describe, field_docs, shown
 
 
 @dataclass(frozen=True)
@@ -79,3 +79,37 @@ def test_defaults_names_and_words(flags):
 )
 def test_values_are_shown_as_they_would_be_typed(value, text):
     assert shown(value) == text
+
+
+@dataclass
+class Reef:
+    """A reef
+    of coral.
+
+    It is long.
+    """
+
+    depth_m: float
+    """Depth of the
+    water (m)."""
+    wide: bool = True
+    length_m: float = 3.0
+    """Along the spine."""
+
+
+@dataclass
+class Atoll(Reef):
+    length_m: float = 5.0
+    """Around."""
+
+
+def test_the_text_below_a_field_is_found_in_one_line():
+    assert field_docs(Reef) == {"depth_m": "Depth of the water (m).", "length_m": "Along the spine."}
+
+
+def test_a_class_has_the_texts_of_the_one_it_extends():
+    assert field_docs(Atoll) == {"depth_m": "Depth of the water (m).", "length_m": "Around."}
+
+
+def test_a_class_is_described_by_its_first_paragraph():
+    assert class_doc(Reef) == "A reef of coral."

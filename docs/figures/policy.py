@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from coral.contact.policy.cameras import PolicyCameras, PolicyCamerasCfg
+from coral.contact.policy.policy_episode import PolicyCameras, PolicyCamerasCfg
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.panda.world import PandaWorld

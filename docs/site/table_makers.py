@@ -18,7 +18,7 @@ from coral.commands.config import ListConfig
 from coral.commands.keyboard import KEYS
 from coral.contact.scene.task_file import load_task_file
 from coral.contact.scene.task_names import HALVES, suite_tasks
-from coral.field_docs import class_doc, field_docs
+from coral.flags import class_doc, field_docs
 from coral.reef.eyes import reef_net
 from coral.reef.mission.presets import NOISE, PRESETS
 from coral.reef.networks import semantic_map, yolo_eyes

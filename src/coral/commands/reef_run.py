@@ -21,7 +21,7 @@ from coral.commands.progress import MissionProgress
 from coral.commands.render import list_made, render
 from coral.errors import InputError
 from coral.flags import Argument, Option
-from coral.reef.mission.compiled import NOTICE, is_compiled
+from coral.reef.drive.controller_kernels import rollout
 from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -36,6 +36,8 @@ from coral.run_files import RunFiles
 from coral.runs import new_run_folder
 from coral.terminal import tell
 from coral.words import many
+
+NOTICE = "compiling once, about a minute"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,3 +236,17 @@ class FallbackNotice:
                 f"at {event['t']:.0f} s the advisor did not decide ({why}): {then[self._policy]} "
                 f"(--fallback {self._policy})"
             )
+
+
+def is_compiled(kernel: Any = rollout) -> bool:
+    """Check whether numba's cache has a kernel, by default the one that takes longest, of the present source.
+
+    True also where nobody can tell, as with numba's compiler switched off.
+    """
+    cache = getattr(getattr(kernel, "_cache", None), "cache_path", None)
+    if cache is None:
+        return True
+    code = kernel.py_func.__code__
+    source = Path(code.co_filename)
+    index = sorted(Path(cache).glob(f"{source.stem}.{code.co_name}-{code.co_firstlineno}.*.nbi"))
+    return any(one.stat().st_mtime >= source.stat().st_mtime for one in index)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.products.cover_calibration import BINS, CoverCalibration
+from coral.reef.products.cover import BINS, CoverCalibration
 from coral.reef.products.survey_products import ProductsCfg, mean_in_cells, measure
 
 

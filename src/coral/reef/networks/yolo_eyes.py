@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,10 +14,8 @@ from coral.onnx_file import OnnxFile
 from coral.reef.eyes.ground_plane import ground_depth, standing_depth
 from coral.reef.eyes.perception import UNSTATED_DOUBT, CameraAttitude, SeenPicture
 from coral.reef.networks.class_table import class_table
-from coral.reef.networks.letterbox import Letterbox
 from coral.reef.networks.network_notes import NetworkNotes, read_notes
 from coral.reef.networks.picture_input import UNIT
-from coral.reef.networks.yolo_masks import PROTOTYPES, Layout, decode, draw_masks, layout_of
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 
@@ -28,6 +30,19 @@ OUTPUTS: dict[Layout, str] = {
     "classes": "1 x (4 + classes + 32) x M", "objectness": "1 x M x (5 + classes + 32)", "chosen": "1 x M x 38"
 }  # fmt: skip
 """Shape of the candidates in each layout; the other output holds 32 mask prototypes."""
+GRAY = 114
+"""Of the border; the value that YOLO networks are trained with."""
+PROTOTYPES = 32
+"""Mask prototypes of these networks (YOLACT, arXiv 1904.02689)."""
+Layout = Literal["classes", "objectness", "chosen"]
+"""Of a candidate. classes: in columns, a box and a score per class (YOLOv8, 11). objectness: in rows, a box, the score
+of any object, and one per class given that (YOLOv5). chosen: in rows, two corners, score and class, after the network's
+own suppression (YOLO26, `nms=True`)."""
+_CHOSEN = 6 + PROTOTYPES
+_MOST_CHOSEN = 1000
+"""More rows than a network's own suppression leaves (300 by default)."""
+_STRIDES, _ANCHORS = (8, 16, 32), 3
+"""Pixels of the picture for a cell of each grid of candidates, and candidates in a cell of YOLOv5."""
 
 
 def is_yolo(file: OnnxFile) -> bool:
@@ -101,3 +116,130 @@ class YoloEyes:
             inside = box.extract(masks[k]) >= _MASK_FROM
             labels[inside], doubt[inside] = label, 1.0 - found.scores[k]
         return SeenPicture(labels.astype(np.uint8), standing_depth(labels, ground), doubt)
+
+
+@dataclass(frozen=True)
+class Letterbox:
+    """Where a picture lies in the network's picture: scaled, in the middle, with a gray border."""
+
+    width: int
+    height: int
+    """Of the camera's picture (px)."""
+    net_width: int
+    net_height: int
+
+    @property
+    def scale(self) -> float:
+        """Pixels of the network for one of the camera."""
+        return min(self.net_width / self.width, self.net_height / self.height)
+
+    @property
+    def inner(self) -> tuple[int, int]:
+        """Width and height of the scaled picture (px)."""
+        return round(self.width * self.scale), round(self.height * self.scale)
+
+    @property
+    def corner(self) -> tuple[int, int]:
+        """First column and row of the scaled picture."""
+        width, height = self.inner
+        return (self.net_width - width) // 2, (self.net_height - height) // 2
+
+    def insert(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the network's picture. Shape=(H, W, 3) to (net_height, net_width, 3)."""
+        (x, y), (width, height) = self.corner, self.inner
+        out = np.full((self.net_height, self.net_width, 3), GRAY, np.uint8)
+        out[y : y + height, x : x + width] = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_LINEAR)
+        return out
+
+    def extract(self, image: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the camera's part of a map of the network's picture, perhaps coarser, at the camera's size."""
+        rows, columns = image.shape
+        fx, fy = columns / self.net_width, rows / self.net_height
+        (x, y), (width, height) = self.corner, self.inner
+        # Middle of each of the camera's pixels in the map, with whole numbers at the middles of its pixels.
+        u = ((np.arange(self.width) + 0.5) * width / self.width + x) * fx - 0.5
+        v = ((np.arange(self.height) + 0.5) * height / self.height + y) * fy - 0.5
+        grid_u, grid_v = np.meshgrid(u.astype(np.float32), v.astype(np.float32))
+        out = cv2.remap(image, grid_u, grid_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(out, np.float32)
+
+
+def layout_of(rows: int, columns: int, classes: int, size: tuple[int, int]) -> Layout | None:
+    """Return the layout of an output of shape (1, rows, columns); None if it fits none, or not this many classes.
+
+    The size of its pictures (px) tells YOLOv5 of one class from chosen objects.
+    """
+    anchors = _ANCHORS * sum((size[0] // stride) * (size[1] // stride) for stride in _STRIDES)
+    if columns == _CHOSEN and rows <= _MOST_CHOSEN and not (classes == 1 and rows == anchors):
+        return "chosen"
+    if rows == 4 + classes + PROTOTYPES:
+        return "classes"
+    return "objectness" if columns == 5 + classes + PROTOTYPES else None
+
+
+@dataclass(frozen=True)
+class Detections:
+    """N objects, the likeliest first."""
+
+    boxes: NDArray[np.float32]
+    """x0, y0, x1, y1 in pixels of the network's picture. Shape=(N, 4)."""
+    scores: NDArray[np.float32]
+    """Shape=(N,)."""
+    classes: NDArray[np.intp]
+    """Shape=(N,)."""
+    coefficients: NDArray[np.float32]
+    """Weights of the prototypes. Shape=(N, 32)."""
+
+
+def decode(raw: NDArray[np.float32], layout: Layout, score: float = 0.25, overlap: float = 0.7) -> Detections:
+    """Choose the objects: those with a score, without those that overlap a likelier one of their class.
+
+    `raw` has Shape=(4 + classes + 32, M), (M, 5 + classes + 32) or (M, 6 + 32), as the layout says; `overlap` is the
+    largest intersection over union of two boxes of a class.
+    """
+    if layout == "chosen":
+        kept_rows = raw[np.argsort(-raw[:, 4], kind="stable")]
+        kept_rows = kept_rows[kept_rows[:, 4] >= score]
+        return Detections(
+            kept_rows[:, :4], kept_rows[:, 4], kept_rows[:, 5].round().astype(np.intp),
+            np.ascontiguousarray(kept_rows[:, 6:]),
+        )  # fmt: skip
+    if layout == "objectness":
+        raw = raw.T
+        raw = np.concatenate([raw[:4], raw[4] * raw[5:-PROTOTYPES], raw[-PROTOTYPES:]])
+    scores = raw[4:-PROTOTYPES]
+    classes = scores.argmax(axis=0)
+    best = scores.max(axis=0)
+    order = np.argsort(-best, kind="stable")
+    order = order[best[order] >= score]
+    middle, half = raw[:2, order].T, raw[2:4, order].T / 2.0
+    boxes = np.concatenate([middle - half, middle + half], axis=1)
+    kept: list[int] = []
+    for k in range(len(order)):
+        rivals = [j for j in kept if classes[order[j]] == classes[order[k]]]
+        if not rivals or box_overlap(boxes[k], boxes[rivals]).max() <= overlap:
+            kept.append(k)
+    chosen = order[kept]
+    return Detections(
+        boxes[kept].astype(np.float32), best[chosen], classes[chosen], np.ascontiguousarray(raw[-PROTOTYPES:, chosen].T)
+    )
+
+
+def box_overlap(box: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Return the intersection over union of a box with others. Shape=(4,) and (N, 4) to (N,)."""
+    low, high = np.maximum(box[:2], others[:, :2]), np.minimum(box[2:], others[:, 2:])
+    common = np.prod(np.maximum(high - low, 0.0), axis=1)
+    area = float(np.prod(box[2:] - box[:2])) + np.prod(others[:, 2:] - others[:, :2], axis=1)
+    return np.asarray(common / np.maximum(area - common, 1e-9), np.float64)
+
+
+def draw_masks(found: Detections, prototypes: NDArray[np.float32], net_size: tuple[int, int]) -> NDArray[np.float32]:
+    """Return each object's mask: a weighted sum of prototypes, Shape=(32, h, w), cut at its box. Shape=(N, h, w)."""
+    _, rows, columns = prototypes.shape
+    sums = np.clip(np.tensordot(found.coefficients, prototypes, axes=1), -50.0, 50.0)
+    masks = 1.0 / (1.0 + np.exp(-sums))
+    x = (np.arange(columns) + 0.5) * net_size[0] / columns
+    y = (np.arange(rows) + 0.5) * net_size[1] / rows
+    x0, y0, x1, y1 = (found.boxes[:, k, None, None] for k in range(4))
+    inside = (x >= x0) & (x <= x1) & (y[:, None] >= y0) & (y[:, None] <= y1)
+    return np.where(inside, masks, 0.0).astype(np.float32)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.paint import caustics
-from coral.reef.paint.exposure import expose, noise_seed
 from coral.reef.paint.floor_kernels import SAND
 from coral.reef.paint.ground import SeaFloor
 from coral.reef.paint.materials import Materials
@@ -17,7 +17,7 @@ from coral.reef.paint.motion_kernels import blur_motion
 from coral.reef.paint.noise_tiles import noise_tile
 from coral.reef.paint.shading_kernels import shade
 from coral.reef.paint.snow_kernels import CELL_M, draw_snow
-from coral.reef.paint.water_kernels import attenuate, transmission_table
+from coral.reef.paint.water_kernels import attenuate, develop, transmission_table
 from coral.reef.simulation.daylight import PainterCfg, sun_direction
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Frame, Label, Pose
@@ -34,6 +34,7 @@ _SIDE, _EVEN, _AGAIN = 0.5, 0.03, 0.008
 """The veil's sources, as shares of scattering: the half that leaves the forward direction, of sun and sky by its angle;
 sunlight that was scattered on its way down, and light scattered many times, from everywhere (1/sr). The last two are
 fitted by eye to pictures by Cycles."""
+_LUMA = (0.2126, 0.7152, 0.0722)
 
 
 class Painter:
@@ -226,3 +227,30 @@ def _scaled(light: Rgb, by: float) -> Rgb:
 
 def _blurred(image: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
     return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma), np.float32) if sigma > 0.0 else image
+
+
+def expose(light: NDArray[np.float32], cfg: PainterCfg, seed: int) -> NDArray[np.uint8]:
+    """Take the picture, RGB in sRGB, of the light that reaches the lens, linear, on any scale. Shape=(H, W, 3) both.
+
+    Exposure and white balance follow from this picture alone, so a picture does not depend on those before it.
+    """
+    mean = np.maximum(light.reshape(-1, 3).mean(axis=0, dtype=np.float64), 1e-9)
+    balance = (mean[1] / mean) ** cfg.white_balance
+    gain = cfg.exposure / float(np.dot(_LUMA, mean * balance))
+    red, green, blue = (float(gain * b) for b in balance)
+    picture = np.empty(light.shape, np.uint8)
+    develop(light, (red, green, blue), cfg.vignette, cfg.photons, cfg.read_noise, seed, srgb_table(), picture)
+    return picture
+
+
+def noise_seed(seed: int, pose: Pose, t: float) -> int:
+    """Return the seed of one picture's noise: another one for every pose and time."""
+    return hash((seed, round(t * 1e6), *(round(v * 1e6) for v in pose))) & 0x7FFFFFFF
+
+
+@cache
+def srgb_table() -> NDArray[np.uint8]:
+    """Return the sRGB curve (IEC 61966-2-1) for 4096 linear values from 0 to 1."""
+    x = np.linspace(0.0, 1.0, 4096)
+    curve = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    return np.round(255.0 * curve).astype(np.uint8)

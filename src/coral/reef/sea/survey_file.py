@@ -6,6 +6,7 @@ Frame: local metres from the south-west corner of the area, x east, y north. Wit
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,7 +17,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from coral.config import read_yaml
 from coral.errors import InputError
 from coral.foreign_file import regular_bytes
-from coral.reef.sea.polygon import contains_point, is_simple
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld, Start
 from coral.validation_errors import input_error
@@ -31,6 +31,7 @@ Metres = Annotated[float, Field(ge=-1000, le=1000)]
 Latitude = Annotated[float, Field(ge=-85, le=85)]
 Longitude = Annotated[float, Field(ge=-180, le=180)]
 Ring = tuple[tuple[float, float], ...]
+Corner = tuple[float, float]
 
 
 class _Part(BaseModel):
@@ -218,3 +219,38 @@ def _ring(outline: Polygon, origin: Origin | None, where: str, field: str) -> Ri
     if not is_simple(ring):
         raise InputError(where, field, "an outline that crosses itself", "corners in order along the outline")
     return ring
+
+
+def contains_point(ring: Sequence[Corner], x: float, y: float) -> bool:
+    """Check whether a point lies inside an outline, by the even-odd rule; corners in order, not repeated at the end."""
+    inside = False
+    for (ax, ay), (bx, by) in _edges(ring):
+        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+            inside = not inside
+    return inside
+
+
+def is_simple(ring: Sequence[Corner]) -> bool:
+    """Check whether an outline has an area and no two of its edges that are not neighbours touch."""
+    edges = list(_edges(ring))
+    area = sum(ax * by - bx * ay for (ax, ay), (bx, by) in edges)
+    if abs(area) < 1e-9:
+        return False
+    count = len(edges)
+    return not any(
+        _cross(edges[i], edges[j]) for i in range(count) for j in range(i + 2, count) if not (i == 0 and j == count - 1)
+    )
+
+
+def _edges(ring: Sequence[Corner]) -> zip[tuple[Corner, Corner]]:
+    return zip(ring, [*ring[1:], ring[0]], strict=True)
+
+
+def _cross(first: tuple[Corner, Corner], second: tuple[Corner, Corner]) -> bool:
+    (a, b), (c, d) = first, second
+    return _side(a, b, c) * _side(a, b, d) <= 0 and _side(c, d, a) * _side(c, d, b) <= 0
+
+
+def _side(a: Corner, b: Corner, point: Corner) -> int:
+    turn = (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
+    return (turn > 1e-12) - (turn < -1e-12)

@@ -17,7 +17,6 @@ from coral.drawing import Image
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.run_files import RunFiles
-from coral.view.contact.lerobot_stats import PictureStats, column_stats
 from coral.view.contact.replay import ReplayedScene
 from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder
@@ -34,6 +33,7 @@ EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 VIDEO = f"videos/{CAMERA}/chunk-000"
 LARGEST = 1000
 """Episodes in one chunk of the format; more would need a second folder."""
+QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +66,39 @@ class Frames:
     """Name of the run folder."""
     robot: str
     """LeRobot's type of the robot: the world's arm, or a hand that flies freely."""
+
+
+class PictureStats:
+    """Counts how often each brightness occurs in each channel, so that the statistics need no picture twice."""
+
+    def __init__(self) -> None:
+        self._counts = np.zeros((3, 256), np.int64)
+        self._pictures = 0
+
+    def add(self, picture: Image) -> None:
+        """Count the pixels of a picture, Shape=(H, W, 3)."""
+        self._counts += [np.bincount(picture[..., channel].ravel(), minlength=256) for channel in range(3)]
+        self._pictures += 1
+
+    def stats(self) -> dict[str, Any]:
+        """Return the statistics by channel, Shape=(3, 1, 1), of brightness from 0 to 1; the count is in pictures."""
+        levels = np.arange(256) / 255
+        share = self._counts / self._counts.sum(axis=1, keepdims=True)
+        below = np.cumsum(share, axis=1)
+        mean = share @ levels
+        found = {
+            "min": [levels[np.flatnonzero(row)[0]] for row in self._counts],
+            "max": [levels[np.flatnonzero(row)[-1]] for row in self._counts],
+            "mean": mean,
+            "std": np.sqrt(np.maximum(share @ levels**2 - mean**2, 0.0)),
+        }
+        found |= {
+            name: [levels[min(int(np.searchsorted(row, at - 1e-12)), 255)] for row in below]
+            for name, at in QUANTILES.items()
+        }
+        return {name: np.reshape(each, (3, 1, 1)).tolist() for name, each in found.items()} | {
+            "count": [self._pictures]
+        }
 
 
 @dataclass
@@ -260,3 +293,11 @@ def _write_video(path: Path, pictures: Iterator[Image], stats: PictureStats, cfg
 
     path.parent.mkdir(parents=True, exist_ok=True)
     write_mp4(path, counted(), (cfg.width, cfg.height), cfg.fps, "-crf", "23", "-g", "2", "-bf", "0")
+
+
+def column_stats(values: Sequence[Any]) -> dict[str, list[float]]:
+    """Compute the statistics of a column, Shape=(N,) or (N, D), one value for each of its numbers."""
+    rows = np.asarray(values, np.float64).reshape(len(values), -1)
+    found = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
+    found |= {name: np.quantile(rows, share, axis=0) for name, share in QUANTILES.items()}
+    return {**{name: each.tolist() for name, each in found.items()}, "count": [len(rows)]}
