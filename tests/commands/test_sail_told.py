@@ -19,6 +19,7 @@ from coral.commands.sail_told import TOLD, lens_told, survey_told, told
             {"event": "place", "landmarks": 9, "recognised": 4, "x": 0.3, "y": 0.4, "theta": 0.1},
             "saved map: 4 of 9 landmarks recognised, odometry off by 0.50 m and 6 degrees",
         ),
+        ({"event": "sight", "reach_m": 2.2}, "the eyes tell oysters from sea floor up to 2.2 m away"),
         ({"event": "planner_failure", "reason": "no feasible rollout"}, "stands, no feasible rollout: drive it free"),
         ({"event": "place", "landmarks": 9, "recognised": 0}, "none of 9 landmarks recognised"),
     ],

@@ -321,3 +321,12 @@ def test_where_a_resumed_survey_was_on_the_saved_map_is_told(fresh):
         with open(fresh / "events.jsonl", "a") as events:
             events.write(json.dumps({**place, "x": 0.3, "y": 0.4, "theta": 0.0}) + "\n")
         assert f"Saved map: {said}" in page(fresh)
+
+
+def test_how_far_eyes_that_doubt_saw_is_told(fresh):
+    assert "sea floor up to" not in page(fresh)
+    with open(fresh / "events.jsonl", "a") as events:
+        events.writelines(
+            json.dumps({"step": 9, "t": 0.9, "event": "sight", "reach_m": reach}) + "\n" for reach in (4.8, 2.2, "far")
+        )
+    assert "At the end the eyes tell oysters from sea floor up to 2.2 m away." in page(fresh)

@@ -12,12 +12,22 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from coral.reef.mission.events import place_told
+from coral.reef.mission.events import place_told, sight_told
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.view.charts import clock
 
-TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction", "place", "planner_failure")
+TOLD = (
+    "state",
+    "awaited",
+    "limit",
+    "recording_stopped",
+    "order_refused",
+    "instruction",
+    "place",
+    "planner_failure",
+    "sight",
+)
 """Events that the operator is told of."""
 FENCED_S = 20.0
 """Without a safe motion for this long, the vehicle does not get away by itself soon; said again after each minute."""
@@ -101,6 +111,8 @@ def told(event: Mapping[str, Any]) -> str:
         return f"{at} {event['state']}: {reason}"
     if kind == "instruction":
         return f"{at} instruction, by {event['by']}: {event['text']}"
+    if kind == "sight":
+        return f"{at} {sight_told(event)}"
     if kind == "place":
         return f"{at} saved map: {place_told(event)}"
     if kind == "awaited":

@@ -13,13 +13,14 @@ LARGEST = 1e9
 NUMBERS = frozenset((
     "t", "step", "decision", "attempt", "index", "asked_at", "asked_at_s", "answered_at_s", "x", "y", "fraction",
     "deviation_m", "obstacle", "clusters_total", "force_n", "newtons", "begun_s", "ended_s", "peak_n", "mean_n",
-    "attempts",
+    "attempts", "reach_m",
 ))  # fmt: skip
 """Fields with a number, or null if there is none."""
 LISTS = frozenset(("pictures", "centroids", "captions"))
 NEEDED = {
     "goal": ("x", "y"),
     "collision": ("x", "y"),
+    "sight": ("reach_m",),
     "stage": ("stage",),
     "contact": ("first", "second", "force_n"),
     "contact_end": ("first", "second", "begun_s", "ended_s"),

@@ -20,6 +20,7 @@ from coral.reef.decide.planner import InstructionCfg, PlannerCfg
 from coral.reef.decide.planners import make_planner
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
+from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
@@ -231,6 +232,24 @@ def test_who_is_fenced_in_by_doubt_looks_round_and_goes_on_instead_of_ending(dri
         forgot = mission.t
         mission.until(forgot + 8.0)
         assert mission.told("question")[-1]["t"] >= forgot
+
+
+def test_how_far_eyes_that_doubt_see_is_told_and_told_again_when_the_water_changes(drive):
+    mission = drive()
+    depth = ground_depth(CAMERA)
+    labels = np.where(np.isfinite(depth), np.uint8(Label.SEABED), np.uint8(Label.WATER))
+
+    def murky(seen):
+        doubt = np.where(depth < (6.0 if seen.t < 15.0 else 2.5), np.float32(0.001), np.float32(0.3))
+        floor = dataclasses.replace(BARE, labels=labels, depth=depth, doubt=doubt)
+        return dataclasses.replace(seen, frame=Stamped(seen.t, floor))
+
+    mission.until(12.0)
+    assert not mission.told("sight")  # exact pictures have no doubt
+    spoilt(mission, murky, 12.0).until(30.0)
+    first, second = mission.told("sight")
+    assert first["t"] == pytest.approx(12.0)
+    assert first["reach_m"] > 3.0 > second["reach_m"] > 1.5
 
 
 def spoilt(mission, change, start, end=math.inf):

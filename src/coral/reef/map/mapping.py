@@ -125,7 +125,8 @@ class OccupancyMap:
         self._closed = np.zeros(shape, np.bool_)
         self._saved, self._recalled = dict[str, NDArray[Any]](), np.zeros(shape, np.bool_)
         """What an earlier survey knew, and the cells that it knew."""
-        self._estimated = False
+        self.estimated = False
+        """Whether classes and depth of the pictures are estimates, by eyes that doubt."""
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
         self.nearest = np.full(shape, np.inf, np.float32)
@@ -168,7 +169,7 @@ class OccupancyMap:
         self._pictures += 1
         changed, obstacle_range_m = False, cfg.obstacle_range_m
         sharp_m = 0.0 if frame.doubt is None else self._sharp_m
-        self._estimated |= frame.doubt is not None
+        self.estimated |= frame.doubt is not None
         doubted = frame.doubt is not None and self.layer is None
         if doubted:
             self.sight = self.sight or self._begin_sight()
@@ -211,7 +212,7 @@ class OccupancyMap:
     @property
     def sees_m(self) -> float:
         """Distance (m) up to which what is in view counts as explored."""
-        return min(self.cfg.range_m, self.eyesight.reach_m) if self._estimated else self.cfg.range_m
+        return min(self.cfg.range_m, self.eyesight.reach_m) if self.estimated else self.cfg.range_m
 
     def _begin_sight(self) -> SightLayer:
         """Leave the obstacles that are known to lines of sight."""
@@ -243,7 +244,7 @@ class OccupancyMap:
     @property
     def sonar_alone(self) -> bool:
         """Whether only the sonar's obstacles count."""
-        trusted = self.cfg.obstacles == "both" or (self.cfg.obstacles == "auto" and not self._estimated)
+        trusted = self.cfg.obstacles == "both" or (self.cfg.obstacles == "auto" and not self.estimated)
         return self.layer is not None and not trusted
 
     def _combine(self, window: Box) -> None:
@@ -326,7 +327,7 @@ class OccupancyMap:
 
     def disbelieve(self, cells: NDArray[np.intp]) -> None:
         """Take back oysters that eyes which doubt have shown in some cells, (iy, ix) of each. Shape=(M, 2)."""
-        if self._estimated:
+        if self.estimated:
             at = cells[:, 0], cells[:, 1]
             self._targets[at], self._sharp[at], self.target[at] = 0, True, False
 

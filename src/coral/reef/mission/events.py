@@ -34,6 +34,8 @@ EVENTS = {
     "sensor": "An `input` of the pilot was `refused`, and why (empty: it is accepted again); `detail`.",
     "blind": "The sonar alone shows the way (`blind`), or no longer: `reason`.",
     "deaf": "The sonar is silent (`deaf`), or no longer: `reason`.",
+    "sight": "How far the eyes tell oysters from sea floor, `reach_m`, by a network's doubt; nothing farther away "
+    "counts as explored.",
     "awaited": "At sea, what ends a state: `state`, `reason`, `ends_when`.",
     "operator": "At sea, the operator said a `word`, from a `source` (keyboard, page, ROS).",
     "unwind": "At sea, the vehicle turns on the spot against `turns` of its tether.",
@@ -73,6 +75,11 @@ END_REASONS = {
     "failed": "an error in the program, which the command line shows",
 }
 """Explanation of each end reason of a survey. A reason may be followed by a colon and why, or in brackets by whom."""
+
+
+def sight_told(event: Mapping[str, Any]) -> str:
+    """Return what the event `sight` says, in words."""
+    return f"the eyes tell oysters from sea floor up to {event['reach_m']:.1f} m away"
 
 
 def place_told(event: Mapping[str, Any]) -> str:

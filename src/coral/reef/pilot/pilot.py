@@ -45,6 +45,9 @@ FAILURES: dict[Cause, str] = {
 
 NOTHING_LEFT = "nothing left to explore"
 
+SIGHT_TOLD_S, SIGHT_TOLD_M = 10.0, 1.0
+"""How far the eyes see is told after so long at the earliest, and again when it has changed by so much."""
+
 
 class Pilot:
     """Belief in, command out; the advisor is consulted on the side and never waited for."""
@@ -109,6 +112,8 @@ class Pilot:
         self._acting_until = self._began = -math.inf
         self._now, self._stood = 0.0, False
         self._blind = self._deaf = False
+        self._sight: tuple[float, float] = 0.0, math.inf
+        """When it was last told how far the eyes tell oysters from sea floor (s), and how far (m)."""
         self._decided = self._ended = False
         """Whether a decision has ended, and whether one has ended the survey."""
 
@@ -131,6 +136,7 @@ class Pilot:
         if reading.frame is not None and reading.frame_pose is not None:
             self.belief.update(reading.frame, reading.frame_pose, reading.attitude)
             self.belief.pose = reading.pose or reading.frame_pose
+            self._tell_sight(reading.t)
         elif reading.pose is not None:
             self.belief.update(None, reading.pose)
         if reading.sonar is not None and reading.sonar_pose is not None:
@@ -264,6 +270,13 @@ class Pilot:
         if bool(reason) != self._deaf:
             self._deaf = bool(reason)
             self._emit("deaf", deaf=self._deaf, reason=reason)
+
+    def _tell_sight(self, t: float) -> None:
+        """Note how far eyes that doubt tell oysters from sea floor: beyond that, nothing counts as explored."""
+        (told_s, told_m), cells = self._sight, self.belief.map
+        if cells.estimated and t - told_s >= SIGHT_TOLD_S and not abs(cells.sees_m - told_m) < SIGHT_TOLD_M:
+            self._sight = t, cells.sees_m
+            self._emit("sight", reach_m=round(cells.sees_m, 2))
 
     @property
     def pending(self) -> bool:
