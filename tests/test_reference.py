@@ -5,30 +5,22 @@ import csv
 import importlib
 import json
 import re
-import sys
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
 import coral
-from coral.advisor import codes as advisor_codes
 from coral.cli import COMMANDS
-from coral.contact.episode import events as contact_events
 from coral.contact.franka.stream import StopCause
 from coral.contact.franka.world import CODES as STOP_CODES
-from coral.contact.plan import codes as contact_codes
-from coral.contact.policy.client import CODES as policy_codes
 from coral.contact.tasks import load_task
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
-from coral.reef.decide import codes as reef_codes
-from coral.reef.mission import events as reef_events
-from coral.reef.ros import topics as ros_topics
 from coral.reef.sea.address import FORMS, Medium
 from coral.reef.sea.operator import WORDS, Word
+from reference import texts
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "docs" / "site"))
 tables = importlib.import_module("tables")
 
 
@@ -65,7 +57,7 @@ def test_every_file_of_a_run_has_a_row(runs, kind):
     assert len(left) > 9
 
 
-@pytest.mark.parametrize(("kind", "events"), [("survey", reef_events.EVENTS), ("task", contact_events.EVENTS)])
+@pytest.mark.parametrize(("kind", "events"), [("survey", texts.SURVEY_EVENTS), ("task", texts.TASK_EVENTS)])
 def test_every_event_and_each_of_its_keys_has_a_row(runs, kind, events):
     lines = [json.loads(line) for line in (runs[kind] / "events.jsonl").read_text().splitlines()]
     objects = set(lines[0].get("trial", ()))
@@ -90,7 +82,7 @@ def test_every_metric_time_column_and_attempt_has_a_row(runs, kind):
         assert columns <= words(f"columns-{kind}", f"files-{kind}")
 
 
-@pytest.mark.parametrize(("room", "events"), [("reef", reef_events.EVENTS), ("contact", contact_events.EVENTS)])
+@pytest.mark.parametrize(("room", "events"), [("reef", texts.SURVEY_EVENTS), ("contact", texts.TASK_EVENTS)])
 def test_every_event_that_the_code_can_tell_has_a_row(room, events):
     """Those of a short run are few: read the calls that name one."""
     told = set()
@@ -108,9 +100,9 @@ def test_every_event_that_the_code_can_tell_has_a_row(room, events):
 @pytest.mark.parametrize(
     ("room", "codes"),
     [
-        ("advisor", advisor_codes.CODES),
-        ("reef/decide", reef_codes.CODES),
-        ("contact", contact_codes.CODES | policy_codes),
+        ("advisor", texts.ADVISOR_CODES),
+        ("reef/decide", texts.SURVEY_CODES),
+        ("contact", texts.TASK_CODES | texts.POLICY_CODES),
     ],
 )
 def test_every_code_of_an_attempt_has_a_row(room, codes):
@@ -127,10 +119,9 @@ def test_every_code_of_an_attempt_has_a_row(room, codes):
 
 
 def test_every_topic_of_ros_has_a_row():
-    modules = set((ROOT / "src/coral/reef/ros").glob("*.py")) - {Path(ros_topics.__file__)}
-    text = "".join(path.read_text("utf-8") for path in modules)
+    text = "".join(path.read_text("utf-8") for path in (ROOT / "src/coral/reef/ros").glob("*.py"))
     told = set(re.findall(r'(?:"|parameter\()"?(coral/[\w/]+|odom|battery|cmd_vel|arm|diagnostics)"', text))
-    assert told | {"coral/WORD"} == set(ros_topics.TOPICS)
+    assert told | {"coral/WORD"} == set(texts.VEHICLE_TOPICS)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from itertools import groupby, pairwise
-from types import ModuleType
 from typing import Any, get_args
 
 from coral import limits
@@ -128,9 +127,9 @@ def layouts() -> str:
     return table("outputs | input | what", ((f"`{outputs}`", *rest) for outputs, *rest in rows))
 
 
-def topics(bag: ModuleType) -> str:
-    """Return the topics of a bag."""
-    rows = ((f"`{name}`", kind.split("/")[-1], what) for name, (kind, what) in bag.TOPICS.items())
+def topics(found: Mapping[str, tuple[str, str]]) -> str:
+    """Return topics with their types."""
+    rows = ((f"`{name}`", kind.split("/")[-1], what) for name, (kind, what) in found.items())
     return table("topic | type | what", rows)
 
 

@@ -13,6 +13,7 @@ from pkgutil import resolve_name
 
 import table_makers as make
 from cost_tables import tables as cost_tables
+from reference_texts import VEHICLE_TOPICS
 
 from coral.advisor.registry import ENTRIES
 from coral.campaign.campaign_files import CampaignFiles
@@ -36,7 +37,6 @@ from coral.reef.mission.variants import VARIANTS
 from coral.reef.paint.labelled_pictures import LabelFiles
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.recordings import bag_export as reef_bag
-from coral.reef.ros import topics as ros_topics
 from coral.reef.sea.recorded_camera import CameraFileCfg
 from coral.reef.sea.survey_file import SurveyFile
 from coral.reef.vehicle.sensing import Attitude, VehicleObservation
@@ -55,27 +55,27 @@ def fill(page: str) -> str:
 
 EXPORTERS = {name: resolve_name(place) for name, place in OURS["coral.exporters"].items()}
 NAMED = {
-    "events-survey": ("event | what, and its keys", "coral.reef.mission.events:EVENTS"),
-    "events-task": ("event | what, and its keys", "coral.contact.episode.events:EVENTS"),
+    "events-survey": ("event | what, and its keys", "reference_texts:SURVEY_EVENTS"),
+    "events-task": ("event | what, and its keys", "reference_texts:TASK_EVENTS"),
     "columns-survey": ("columns | what", "coral.reef.mission.record:TRAJECTORY"),
-    "attempts": ("keys | what", "coral.advisor.log:KEYS"),
-    "timing": ("key | what", "coral.run_loop:TIMING"),
+    "attempts": ("keys | what", "reference_texts:ATTEMPT_KEYS"),
+    "timing": ("key | what", "reference_texts:TIMING"),
     "metrics-survey": ("key | what", "coral.reef.mission.metrics:DEFINITIONS"),
     "metrics-task": ("key | what", "coral.contact.episode.metrics:DEFINITIONS"),
     "variants-task": ("variant | what", "coral.contact.episode.variants:WHAT"),
     "sweeps": ("key | what it changes", "coral.reef.mission.sweep:WHAT"),
-    "ends-survey": ("reason | what", "coral.reef.mission.events:END_REASONS"),
-    "codes-policy": ("code | what", "coral.contact.policy.client:CODES"),
+    "ends-survey": ("reason | what", "reference_texts:SURVEY_ENDS"),
+    "codes-policy": ("code | what", "reference_texts:POLICY_CODES"),
     "ends-task": ("reason | what", "coral.contact.episode.end_reasons:END_REASONS"),
     "entry-points": ("group | the entry point is a", "coral.plugins:GROUPS"),
     "columns-clusters": ("columns | what", "coral.reef.products.product_files:CLUSTERS"),
     "columns-shells": ("columns | what", "coral.reef.products.product_files:SHELLS"),
     "columns-density": ("columns | what", "coral.reef.products.product_files:DENSITY"),
-    "products": ("keys | what", "coral.reef.products.product_files:NUMBERS"),
-    "question": ("keys | what", "coral.desk.advisor:KEYS"),
-    "codes-advisor": ("code | what", "coral.advisor.codes:CODES"),
-    "codes-survey": ("code | what", "coral.reef.decide.codes:CODES"),
-    "codes-task": ("code | what", "coral.contact.plan.codes:CODES"),
+    "products": ("keys | what", "reference_texts:PRODUCTS"),
+    "question": ("keys | what", "reference_texts:QUESTION_KEYS"),
+    "codes-advisor": ("code | what", "reference_texts:ADVISOR_CODES"),
+    "codes-survey": ("code | what", "reference_texts:SURVEY_CODES"),
+    "codes-task": ("code | what", "reference_texts:TASK_CODES"),
     "diagnoses": ("diagnosis | what", "coral.contact.thinker.diagnosis:TEXTS"),
     "libero": ("kind | what", "coral.contact.libero.task:KINDS"),
     "addresses": ("address | what", "coral.reef.sea.address:FORMS"),
@@ -124,9 +124,9 @@ TABLES: dict[str, Callable[[], str]] = {
     "memory-file": partial(make.keys, "experiences", Experience, nested=False),
     "conditions": partial(make.conditions, Condition),
     "clauses": partial(make.conditions, Clause),
-    "topics-survey": partial(make.topics, reef_bag),
-    "topics-ros2": partial(make.topics, ros_topics),
-    "topics-ros2-arm": partial(make.topics, arm_topics),
+    "topics-survey": partial(make.topics, reef_bag.TOPICS),
+    "topics-ros2": partial(make.topics, VEHICLE_TOPICS),
+    "topics-ros2-arm": partial(make.topics, arm_topics.TOPICS),
     "mistakes-survey": partial(make.mistakes, REEF_MISTAKES),
     "mistakes-task": partial(make.mistakes, CONTACT_MISTAKES),
     "unseen": partial(make.suite, "unseen"),

@@ -54,18 +54,6 @@ def stoppable(run: Run) -> Iterator[None]:
         run.end_reason = str(stop) or "stopped by the operator"
 
 
-TIMING = {
-    "wall_time_s": "Wall time of the run (s).",
-    "realtime_factor": "Simulated time over wall time.",
-    "control_ms": "Time of the controller in a tick of a survey (ms): `_median` and `_p99`, as of the others below.",
-    "tick_ms": "Time of the whole tick.",
-    "picture_age_ms": "Age of the camera's picture at sea.",
-    "plan_ms": "Time of a plan of the hand, or of an answer of a served policy.",
-    "pictures_ms": "Time to draw the pictures for a served policy.",
-}
-"""Keys of timing.json."""
-
-
 def timing_of(wall_s: float, sim_s: float, **samples_ms: Sequence[float]) -> dict[str, float]:
     """Compute the content of timing.json; durations, such as `plan_ms`, each give a median and a 99th percentile."""
     found = {"wall_time_s": round(wall_s, 3), "realtime_factor": round(sim_s / wall_s, 3) if wall_s else 0.0}

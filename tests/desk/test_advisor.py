@@ -10,8 +10,9 @@ from pydantic import BaseModel, Field
 
 from coral.advisor.question import BadAnswer, Picture, Question, Rejection
 from coral.desk import advisor as desk_module
-from coral.desk.advisor import KEYS, DeskAdvisor, read_answer
+from coral.desk.advisor import DeskAdvisor, read_answer
 from coral.reef.decide.answers import CentroidChoice
+from reference import texts
 
 
 class Pick(BaseModel):
@@ -56,7 +57,7 @@ def test_question_is_posted_whole_and_answered(tmp_path):
     assert reply.value == Pick(index=2)
     assert question["id"] == folder.name == "000001-pick"
     assert question["images"] == ["map.png"]
-    assert set(question) == set(" ".join(KEYS).split())
+    assert set(question) == set(" ".join(texts.QUESTION_KEYS).split())
     assert (folder / "map.png").read_bytes() == b"png"
     assert question["rejections"] == [{"code": "backward", "reason": "behind", "details": {"index": 1}, "listing": ""}]
     assert question["answer_schema"]["properties"]["index"]["maximum"] == 3

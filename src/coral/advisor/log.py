@@ -24,20 +24,6 @@ from coral.run_files import RunFiles
 RAW_LIMIT = 65_536
 """Characters of a raw reply that are kept."""
 
-KEYS = {
-    "decision attempt": "number of the decision, and of the attempt at it (0: the first)",
-    "asked_at_s answered_at_s": "when, on the clock of the run (s)",
-    "kind prompt_version schema prompt_digest pictures facts_digest": "the identity of the question, by which a "
-    "recording finds it; `pictures` are digests, the names of files in `pictures/`",
-    "verdict": "`accepted`, `rejected` by a check, `malformed`, `unavailable` or `withdrawn`",
-    "code reason details": "of a refusal",
-    "final": "whether the decision ended with this attempt",
-    "answer raw raw_chars": "the answer as parsed and as it came (at most 65,536 characters), and its whole length",
-    "usage": "tokens, cost, requests, faults",
-    "prompt captions facts": "what was asked: the text, names and captions of the pictures, and the facts as numbers",
-}
-"""Keys of a line of attempts.jsonl."""
-
 
 def schema_digest(answer_type: type[BaseModel]) -> str:
     """Compute SHA-256 (hexadecimal) of the JSON schema of an answer, independent of key order."""

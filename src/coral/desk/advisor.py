@@ -27,18 +27,6 @@ A = TypeVar("A", bound=BaseModel)
 
 WRITING = ".writing"
 """Folder of an inbox in which questions are written before they are published."""
-KEYS = {
-    "id kind": "the folder's name, and which template made the question",
-    "prompt prompt_version": "what a model would read",
-    "answer_schema": "JSON schema of the answer",
-    "images captions": "file names in the same folder, and what they show",
-    "picture_frames": "for a picture that is a map: `pixel_from_world`, two rows A with (column, row) = A (x, y, 1), "
-    "metres",
-    "facts": "what the pictures show, as numbers",
-    "rejections": "why earlier answers to this decision were rejected: `code`, `reason`, `details`",
-    "asked_at asker": "Unix time, and the process that waits",
-}
-"""Keys of question.json."""
 ROOT = 0
 MAX_BYTES = 4 * MAX_CHARS + 4
 """More of an answer is not read: it is too long in any case."""

@@ -13,7 +13,6 @@ from coral.reef.decide.answers import CentroidChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import shift_matrix
 from coral.reef.map.costfield import CostField
-from coral.reef.mission.events import END_REASONS
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -21,6 +20,7 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.vehicle.vehicle import VehicleState
 from reef.failing_sensors import fail
+from reference import texts
 
 QUIET = MissionCfg(
     time_limit_s=150.0, latency="fixed:3", stop_when_covered=True, record=RecordCfg(pictures=False, frames=False)
@@ -30,7 +30,7 @@ QUIET = MissionCfg(
 def run(world, folder, advisor=None, cfg=QUIET, seed=0, observers=()):
     mission = Mission(world, cfg, advisor or RuleAdvisor(REEF_RULES), folder, seed=seed)
     result = mission.run(observers)
-    assert result["end_reason"].partition(":")[0] in END_REASONS
+    assert result["end_reason"].partition(":")[0] in texts.SURVEY_ENDS
     return result
 
 

@@ -9,7 +9,8 @@ import pytest
 from coral.errors import InputError
 from coral.reef.products.files import summary, write_products
 from coral.reef.products.placement import Datum, EarthPlacement
-from coral.reef.products.product_files import NUMBERS, ProductFiles
+from coral.reef.products.product_files import ProductFiles
+from reference import texts
 
 pytest.importorskip("tifffile")
 rasterio = pytest.importorskip("rasterio")
@@ -58,7 +59,7 @@ def test_the_reference_names_every_file_and_number(placed, products):
     _, placement, files = placed
     named = {value for name, value in vars(ProductFiles).items() if name.isupper()}
     assert [name for name in files if not {name, f"{name.split('/')[0]}/", f"*{name[-4:]}"} & named] == []
-    assert set(summary(products, placement)) == set(" ".join(NUMBERS).split())
+    assert set(summary(products, placement)) == set(" ".join(texts.PRODUCTS).split())
 
 
 def test_without_a_datum_there_are_no_degrees(products, tmp_path):

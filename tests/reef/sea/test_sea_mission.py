@@ -14,7 +14,6 @@ from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg
-from coral.reef.mission.events import EVENTS
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, TRUTH
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.word_judge import instructed
@@ -25,6 +24,7 @@ from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
 from coral.runs import read_events, read_rows
+from reference import texts
 
 
 def events(folder, *names):
@@ -50,7 +50,9 @@ def test_a_survey_drives_covers_and_leaves_a_run_folder(surveyed):
     assert set(stored) <= set(DEFINITIONS)
     for event in read_events(folder / "events.jsonl"):
         assert [
-            key for key in event if key not in ("step", "t", "event") and f"`{key}`" not in EVENTS[event["event"]]
+            key
+            for key in event
+            if key not in ("step", "t", "event") and f"`{key}`" not in texts.SURVEY_EVENTS[event["event"]]
         ] == []
     assert voyage.link.report().mode == "POSHOLD"
     assert voyage.link.report().armed  # never disarmed unless asked

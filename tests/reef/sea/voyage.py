@@ -12,7 +12,6 @@ from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.sonar_3d15 import Sonar3d15
-from coral.reef.mission.events import END_REASONS
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
@@ -30,6 +29,7 @@ from coral.reef.vehicle.camera import Camera
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import load_world
+from reference import texts
 
 WORLD = load_world("s1")
 
@@ -165,5 +165,5 @@ class Voyage:
         idle = nullcontext(IdleCollector(self.clock, collect=lambda _: None))  # the tests' own garbage takes long
         with mock.patch("coral.reef.sea.sea_mission.collected_when_idle", return_value=idle):
             result = self.mission.run([self])
-        assert re.split(r": | \(", result["end_reason"])[0] in {*END_REASONS, "killed"}
+        assert re.split(r": | \(", result["end_reason"])[0] in {*texts.SURVEY_ENDS, "killed"}
         return result

@@ -25,21 +25,8 @@ OUTAGES = ("unreachable", "silence", "closed")
 """Failures of the connection, not of the policy: worth another attempt."""
 
 
-CODES = {
-    "unreachable": "No connection.",
-    "silence": "No answer within `--cfg.policy.client.answer-s` (90 s; a server may compile at its first question).",
-    "closed": "The server closed the connection.",
-    "error": "The server sent an error message instead of actions.",
-    "too-large": "A message of more than `most-bytes` (4 MiB).",
-    "bad-message": "Not MessagePack, or an array that is not plain numbers.",
-    "bad-actions": "No actions, or not n × 7.",
-    "not-finite": "Actions with a value that is not a finite number.",
-}
-"""Why a policy failed."""
-
-
 class PolicyError(RuntimeError):
-    """The policy failed; `code` is the reason, one of `CODES`."""
+    """The policy failed; `code` is the reason, as the reference lists them."""
 
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)

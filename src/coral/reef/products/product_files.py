@@ -63,19 +63,3 @@ SHELLS = {
 """Columns of shells.csv."""
 DENSITY = {"x_m y_m": "Middle of the cell.", "oysters_m2_per_m2": "Share of its sea floor seen that oysters cover."}
 """Columns of density.csv."""
-NUMBERS = {
-    "recording": "Name of the run or recording.",
-    "keyframes": "Number of its pictures.",
-    "oyster_area_m2 oyster_area_low_m2 oyster_area_high_m2": "Area of oysters, with its interval.",
-    "not_judged pictures_unlike": "Why nothing is judged, if so, and the number of pictures unlike those learned from.",
-    "seen_m2": "Sea floor seen near enough.",
-    "outlines outlines_low outlines_high": "Oysters that can be told apart from above, with the interval.",
-    "oysters oysters_low oysters_high": "Number of oysters; null where too few lie apart.",
-    "oysters_per_m2 oysters_per_m2_low oysters_per_m2_high": "The same per sea floor seen.",
-    "shell_length_mm shell_length_mm_low shell_length_mm_high": "Mean length of a shell.",
-    "oyster_cells clusters": "Cells of the map with oysters, and clusters.",
-    "colour perception calibrated_reefs": "Whether there are colours, what found the oysters, and on how many reefs "
-    "its areas were calibrated.",
-    "latitude longitude epsg": "The start on Earth, and the zone; null without `--datum`.",
-}
-"""Keys of products.json."""

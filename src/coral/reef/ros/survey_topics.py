@@ -1,6 +1,6 @@
 """What a survey finds and decides as topics, and the operator's words as services, while it runs.
 
-In the namespace of the vehicle, for RViz and Foxglove, as `coral.reef.ros.topics` lists them; frame `map` is the
+In the namespace of the vehicle, for RViz and Foxglove, as the reference lists them; frame `map` is the
 survey's own.
 """
 
