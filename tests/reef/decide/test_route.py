@@ -82,6 +82,24 @@ def test_a_waypoint_that_was_to_show_water_is_done_when_all_of_it_has_been_seen(
     assert route.update(0.2)
 
 
+def test_a_waypoint_that_showed_nothing_twice_is_not_worth_exploring():
+    explored = np.ones((400, 400), bool)
+    explored[:, 290:] = False
+    belief = belief_with([], explored=explored)
+    route = Route(belief, CFG)
+    for shown, worth in (0, True), (20, True), (0, False):
+        belief.pose = Pose(10.0, 10.0, 0.0)
+        route.follow([Goal(x=14.0, y=10.0)], 0.0)
+        assert not route.update(0.1)
+        belief.pose = Pose(13.9, 10.0, 0.0)
+        belief.map.explored[:, 290 : 290 + shown] = True
+        assert route.update(0.2)
+        assert belief.worth_exploring(14.2, 10.0) == worth
+    assert belief.worth_exploring(17.0, 10.0)
+    assert belief.failures(14.0, 10.0) == 0  # a cluster there is still worth a goal
+    assert not belief.snapshot().worth_exploring(14.2, 10.0)
+
+
 def test_the_arrival_is_where_the_robot_is_when_the_answer_comes():
     belief = belief_with([])
     route = Route(belief, RouteCfg(cruise_m_s=0.5, margin_s=0.0, reach_m=0.01, expected_latency_s=4.0))

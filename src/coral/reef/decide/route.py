@@ -43,6 +43,9 @@ LOOK_M = 3.0
 """A waypoint shows the water within this of it..."""
 EXPLORED_SHARE = 0.03
 """... and is done once no more than this share of it is unexplored, if there was more before."""
+FRUITLESS_SHARE = 0.01
+"""A waypoint in unexplored water that has shown no more than this share of it when it is reached was to no purpose:
+shadows of obstacles that nobody can look behind are not gone to for ever."""
 REACHED_M = 3.0
 """How near to its aim the vehicle is beside it."""
 
@@ -106,7 +109,8 @@ class Route:
         """Time of the last update (s)."""
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
-        self._unexplored, self._arrived = 0.0, False
+        self._unexplored = self._showed = 0.0
+        self._arrived = False
 
     def answered(self, seconds: float) -> None:
         """Learn how long an answer took (s)."""
@@ -211,7 +215,8 @@ class Route:
         return legs
 
     def _begin(self, t: float) -> None:
-        self._left, self._since, self._unexplored, self._arrived = -1, t, 0.0, False
+        self._left, self._since, self._arrived = -1, t, False
+        self._unexplored = self._showed = 0.0
         if not self.goals:
             return
         goal = self.goals[0]
@@ -244,7 +249,17 @@ class Route:
             if goal.face is not None:
                 self._arrived = self._arrived or math.dist(at, belief.pose[:2]) < near
                 return self._arrived and abs(bearing(belief.pose, *goal.face)) < FACED_RAD
-            return math.dist(at, belief.pose[:2]) < near or self._explored(goal)
+            explored = self._explored(goal)
+            if math.dist(at, belief.pose[:2]) >= near:
+                return explored
+            if (
+                cfg.ahead
+                and goal.pass_m is None
+                and self._unexplored > EXPLORED_SHARE
+                and self._showed <= FRUITLESS_SHARE
+            ):
+                belief.goal_fruitless()
+            return True
         track = belief.track(goal.index)
         if track is None or track.visited or not len(track.left):
             return True
@@ -266,6 +281,7 @@ class Route:
         """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""
         share = self.belief.map.unexplored_share(goal.x, goal.y, LOOK_M)
         self._unexplored = max(self._unexplored, share)
+        self._showed = self._unexplored - share
         return self.cfg.ahead and self._unexplored > EXPLORED_SHARE >= share
 
 

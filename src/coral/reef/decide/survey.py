@@ -128,7 +128,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
         mean = np.array([px[members].mean(), py[members].mean()])
         best = members[np.argmin((px[members] - mean[0]) ** 2 + (py[members] - mean[1]) ** 2)]
         x, y = float(px[best]), float(py[best])
-        if belief.failures(x, y) >= belief.cfg.max_attempts:
+        if not belief.worth_exploring(x, y):
             continue
         found.append(
             Frontier(

@@ -64,6 +64,7 @@ class Belief:
         self.glimpses = Glimpses()
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
+        self._fruitless: list[tuple[float, float]] = []
         self._ticks = 0
         self._regions = OysterRegions(occupancy.target, occupancy.cfg.cell_m, self.cfg.chain)
         self._seen: Box | None = None
@@ -79,7 +80,11 @@ class Belief:
         copied = copy.copy(self)
         copied.map, copied.tracker = self.map.snapshot(), copy.copy(self.tracker)
         copied.best_views, copied.glimpses = copy.copy(self.best_views), copy.copy(self.glimpses)
-        copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
+        copied._trail, copied._failed, copied._fruitless = (
+            self._trail.copy(),
+            self._failed.copy(),
+            self._fruitless.copy(),
+        )
         copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
         return copied
 
@@ -88,6 +93,7 @@ class Belief:
         if not self.map.forget_doubt():
             return False
         self._failed.clear()
+        self._fruitless.clear()
         self._still.clear()
         return True
 
@@ -215,6 +221,18 @@ class Belief:
             self._failed.append(self.goal)
             self.last_failure = (self.goal_index, cause)
 
+    def goal_fruitless(self) -> None:
+        """Record that the present waypoint was reached, and showed no water that was unexplored."""
+        if self.goal is not None:
+            self._fruitless.append(self.goal)
+
     def failures(self, x: float, y: float) -> int:
         """Count the failed goals near a point."""
-        return sum(math.dist(p, (x, y)) < self.cfg.chain.merge_distance_m for p in self._failed)
+        return self._near(self._failed, x, y)
+
+    def worth_exploring(self, x: float, y: float) -> bool:
+        """Check whether waypoints near a point have failed or shown nothing less often than `max_attempts`."""
+        return self._near([*self._failed, *self._fruitless], x, y) < self.cfg.max_attempts
+
+    def _near(self, places: Sequence[tuple[float, float]], x: float, y: float) -> int:
+        return sum(math.dist(place, (x, y)) < self.cfg.chain.merge_distance_m for place in places)
