@@ -74,11 +74,7 @@ ENTRIES = (
         what="a model on any OpenAI-compatible server: vLLM, Ollama, llama.cpp",
         make="coral.advisor.models:make_local",
     ),
-    AdvisorEntry(
-        form="desk",
-        what="a person, or any program that writes a file",
-        person=True,
-    ),
+    AdvisorEntry(form="desk", what="a person, or any program that writes a file", person=True),
     AdvisorEntry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
     AdvisorEntry(
         form="in-order:FILE",

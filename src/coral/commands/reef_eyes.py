@@ -187,10 +187,7 @@ class ReefEyes:
             made = f"{result['file']}, from {result['pictures']} painted and {result['real']} real pictures"
             return "\n".join([*(head if rows else ()), *rows, made])
         bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
-        lines = [
-            f"| water | pictures | what | {' | '.join(bands)} |",
-            f"|---|---|---|{'---|' * len(bands)}",
-        ]
+        lines = [f"| water | pictures | what | {' | '.join(bands)} |", f"|---|---|---|{'---|' * len(bands)}"]
         for row in result["rows"]:
             for key, what in (
                 ("oyster_iou", "oysters, IoU"),

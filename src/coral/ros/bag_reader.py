@@ -29,10 +29,7 @@ _MENDS = {
     ),
     "Bag is not indexed": ("a ROS 1 bag without an index, unfinished or cut", "a whole one: `rosbag reindex FILE`"),
     "Bag index looks damaged": ("a ROS 1 bag without its end, cut", "a whole one: `rosbag reindex FILE`"),
-    "Cannot open database": (
-        "a damaged SQLite file",
-        'a whole one: `sqlite3 FILE ".recover" | sqlite3 NEW.db3`',
-    ),
+    "Cannot open database": ("a damaged SQLite file", 'a whole one: `sqlite3 FILE ".recover" | sqlite3 NEW.db3`'),
 }
 """How what the library says begins, and what it means for who has the file."""
 

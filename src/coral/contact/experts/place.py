@@ -197,14 +197,7 @@ def fsm(task: Task) -> Strategy:
                 next=(back,),
                 until=lambda now: bool(aside(now)[0, 0] < aside_m),
             ),
-            Stage(
-                "lower",
-                lower,
-                (guide("down"),),
-                sigma=0.7,
-                next=(back,),
-                until=landed,
-            ),
+            Stage("lower", lower, (guide("down"),), sigma=0.7, next=(back,), until=landed),
             Stage(
                 "release",
                 release,

@@ -16,11 +16,7 @@ from coral.reef.world.geometry import Pose, to_robot, to_world
 MAX_FRONTIERS = 40
 
 
-def describe(
-    outlook: Outlook,
-    left: Survey,
-    options: Sequence[dict[str, float]] | None,
-) -> dict[str, Any]:
+def describe(outlook: Outlook, left: Survey, options: Sequence[dict[str, float]] | None) -> dict[str, Any]:
     """Return the facts of a question in plain JSON, as on arrival; `options` are waypoints, None for choosing dots."""
     belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     facts: dict[str, Any] = {

@@ -37,13 +37,7 @@ last goal the robot turns to the thing, asks, and waits for the answer."""
 class MissionPlanner:
     """Asks for the next step of a mission in words."""
 
-    def __init__(
-        self,
-        belief: Belief,
-        fields: CostFieldCfg,
-        draw: Draw,
-        cfg: PlannerCfg | None = None,
-    ) -> None:
+    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
         """Set up the planner of one robot; see `make_planner`."""
         self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()

@@ -36,13 +36,7 @@ from coral.reef.world.geometry import Pose
 class PaperPlanner:
     """Asks as Alg. 2 does: near the goal, measured from the robot, one goal at a time."""
 
-    def __init__(
-        self,
-        belief: Belief,
-        fields: CostFieldCfg,
-        draw: Draw,
-        cfg: PlannerCfg | None = None,
-    ) -> None:
+    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
         """Set up the planner of one robot; see `make_planner`."""
         self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()

@@ -16,12 +16,7 @@ PLANNERS: dict[str, type[TourPlanner | PaperPlanner | MissionPlanner]] = {
 }
 
 
-def make_planner(
-    belief: Belief,
-    fields: CostFieldCfg,
-    draw: Draw,
-    cfg: PlannerCfg | None = None,
-) -> HighLevelPlanner:
+def make_planner(belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> HighLevelPlanner:
     """Make the planner of one robot."""
     cfg = cfg or PlannerCfg()
     return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, draw, cfg)

@@ -39,12 +39,7 @@ def make_question(
 ) -> Question[Any]:
     """Render a question."""
     belief = outlook.belief
-    context = {
-        "facts": facts,
-        "step_m": cfg.step_m,
-        "latency_s": outlook.latency_s,
-        "inspect_m": belief.inspect_m,
-    }
+    context = {"facts": facts, "step_m": cfg.step_m, "latency_s": outlook.latency_s, "inspect_m": belief.inspect_m}
     prompt, version = render(template if belief.cfg.centroids else WITHOUT_CHAIN, context)
     return Question(
         kind=KINDS[mode],

@@ -21,14 +21,7 @@ from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg
-from coral.reef.decide.provable import (
-    contradiction,
-    expected_at,
-    finished_dot,
-    hazard,
-    leads_nowhere,
-    too_early_to_end,
-)
+from coral.reef.decide.provable import contradiction, expected_at, finished_dot, hazard, leads_nowhere, too_early_to_end
 from coral.reef.decide.questions import (
     KINDS,
     chosen,
@@ -57,13 +50,7 @@ NAMED = 3
 class TourPlanner:
     """Asks for the next goal of a survey that visits everything."""
 
-    def __init__(
-        self,
-        belief: Belief,
-        fields: CostFieldCfg,
-        draw: Draw,
-        cfg: PlannerCfg | None = None,
-    ) -> None:
+    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
         """Set up the planner of one robot; see `make_planner`."""
         self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()
@@ -112,13 +99,7 @@ class TourPlanner:
         if rejections:
             facts["passing"] = {"dots": [t.index for t in dots], "waypoints": _towards(asked, passing)}
         question = make_question(
-            mode,
-            KINDS[mode],
-            CentroidChoice if mode == "centroid" else WaypointChoice,
-            facts,
-            outlook,
-            cfg,
-            self.draw,
+            mode, KINDS[mode], CentroidChoice if mode == "centroid" else WaypointChoice, facts, outlook, cfg, self.draw
         )
         return replace(asked, question=question, acceptable=bool(dots if mode == "centroid" else passing))
 

@@ -14,17 +14,7 @@ from typing import Any, Literal
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import WaypointStep
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
-from coral.reef.world.instruction import (
-    Answered,
-    Clause,
-    DoneBy,
-    EndsAt,
-    InOrder,
-    Inspected,
-    KeptOff,
-    Sides,
-    spoken,
-)
+from coral.reef.world.instruction import Answered, Clause, DoneBy, EndsAt, InOrder, Inspected, KeptOff, Sides, spoken
 
 SPEED_M_S, MARGIN_S = 0.4, 12.0
 """Expected on the way home, and time kept for it."""

@@ -155,8 +155,7 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
     places, away = _places(cfg, lines, count, lead)
     if away.min() < _APART_M:
         fit = next(
-            (n for n in range(count - 1, len(lines) - 1, -1) if _places(cfg, lines, n, lead)[1].min() >= _APART_M),
-            0,
+            (n for n in range(count - 1, len(lines) - 1, -1) if _places(cfg, lines, n, lead)[1].min() >= _APART_M), 0
         )
         raise InputError(
             "generator", "clusters", count, f"at most {fit} on this spine, {_APART_M:g} m between neighbours"

@@ -95,11 +95,7 @@ class OccupancyMap:
     """Persistent 2D grid over the survey area. Arrays are indexed [iy, ix], cell (0, 0) at the world's origin."""
 
     def __init__(
-        self,
-        size_m: tuple[float, float],
-        camera: CameraCfg,
-        cfg: MapCfg | None = None,
-        sonar: SonarCfg | None = None,
+        self, size_m: tuple[float, float], camera: CameraCfg, cfg: MapCfg | None = None, sonar: SonarCfg | None = None
     ) -> None:
         """Set up an empty map of a survey area (m); `sonar` is None without one."""
         self.cfg = cfg = cfg or MapCfg()

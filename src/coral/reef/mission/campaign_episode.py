@@ -48,9 +48,4 @@ def run_episode(
     result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, preset=preset, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
-    return {
-        **result,
-        "topology": world.topology,
-        "covered_at_s": covered_at(folder),
-        "fallback": cfg.pilot.fallback,
-    }
+    return {**result, "topology": world.topology, "covered_at_s": covered_at(folder), "fallback": cfg.pilot.fallback}

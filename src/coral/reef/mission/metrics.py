@@ -74,11 +74,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
             raise InputError(str(folder), name, "no such file", "a run folder")
     events = list(read_events(folder / RunFiles.EVENTS))
     rows = list(read_rows(folder / RunFiles.TRAJECTORY))
-    return {
-        **metrics_of(events, rows),
-        **verdict_of(events),
-        **outcome.outcome_metrics(folder, events, rows),
-    }
+    return {**metrics_of(events, rows), **verdict_of(events), **outcome.outcome_metrics(folder, events, rows)}
 
 
 def verdict_of(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

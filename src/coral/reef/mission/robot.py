@@ -19,13 +19,7 @@ class Robot:
     """Couples a vehicle with its pilot."""
 
     def __init__(
-        self,
-        vehicle: Vehicle,
-        start: Pose,
-        pilot: Pilot,
-        localizer: Localizer,
-        *,
-        eyes: RgbPerception | None = None,
+        self, vehicle: Vehicle, start: Pose, pilot: Pilot, localizer: Localizer, *, eyes: RgbPerception | None = None
     ) -> None:
         """Set up; `eyes` find classes and depth in the vehicle's colour pictures, None if its pictures have them."""
         self.vehicle, self.pilot, self.belief, self.driver = vehicle, pilot, pilot.belief, pilot.driver

@@ -249,11 +249,7 @@ class SensorGuard:
                 self._reference = replace(self._reference, t=self._reference.t + offset - self._time.offset)
 
     def _take(
-        self,
-        name: Input,
-        stamped: Stamped[Any] | None,
-        check: Callable[[Stamped[Any]], T],
-        refused: list[Refusal],
+        self, name: Input, stamped: Stamped[Any] | None, check: Callable[[Stamped[Any]], T], refused: list[Refusal]
     ) -> Stamped[T] | None:
         """Return a measurement that is new and passes; None otherwise."""
         if stamped is None or self._time.clock is None:

@@ -343,8 +343,7 @@ def _take_odometry(track: BodyTrack, message: Any) -> None:
 
 def _transform(at: Any, turned: Any) -> NDArray[np.float64]:
     transform = transform_from(
-        (float(at.x), float(at.y), float(at.z)),
-        (float(turned.x), float(turned.y), float(turned.z), float(turned.w)),
+        (float(at.x), float(at.y), float(at.z)), (float(turned.x), float(turned.y), float(turned.z), float(turned.w))
     )
     if not np.isfinite(transform).all():
         raise ValueError("a pose that is not finite")

@@ -36,10 +36,7 @@ class TruthFeed:
     """Listens to a simulation on a line of its own, and asks for its state 20 times a second."""
 
     def __init__(
-        self,
-        address: VehicleAddress | Transport,
-        system: int = 1,
-        clock: Callable[[], float] = time.monotonic,
+        self, address: VehicleAddress | Transport, system: int = 1, clock: Callable[[], float] = time.monotonic
     ) -> None:
         """Open the line. The first position is the origin."""
         self._dialect = ardusub.load_dialect()

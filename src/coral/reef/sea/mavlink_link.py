@@ -49,13 +49,7 @@ SETTLE_S = 3.0
 """A mode, or the motors, must be seen as ordered within this time."""
 WORDS_S = 0.3
 """Longest wait for the autopilot's words after a refusal."""
-RESULTS = {
-    1: "temporarily rejected",
-    2: "denied",
-    3: "unsupported",
-    4: "failed",
-    6: "cancelled",
-}
+RESULTS = {1: "temporarily rejected", 2: "denied", 3: "unsupported", 4: "failed", 6: "cancelled"}
 """MAV_RESULT in words, where the autopilot gives none of its own."""
 
 
@@ -68,10 +62,7 @@ class MavlinkLink:
     """
 
     def __init__(
-        self,
-        address: VehicleAddress | Transport,
-        clock: Callable[[], float] = time.monotonic,
-        threaded: bool = True,
+        self, address: VehicleAddress | Transport, clock: Callable[[], float] = time.monotonic, threaded: bool = True
     ) -> None:
         """Open the line and begin to listen; `clock` is monotonic (s).
 

@@ -92,10 +92,7 @@ class RealTicks:
     """Ticks of the mission loop in real time: they come at a fixed rate and say what time it is."""
 
     def __init__(
-        self,
-        period_s: float,
-        clock: Callable[[], float] = time.monotonic,
-        sleep: Callable[[float], None] = time.sleep,
+        self, period_s: float, clock: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep
     ) -> None:
         self._period_s, self._clock, self._sleep = period_s, clock, sleep
         self._t = self._began_s = self.now_s = 0.0

@@ -35,11 +35,7 @@ class StickLoop:
     integral: float = 0.0
 
     def axes(
-        self,
-        forward_m_s: float,
-        yaw_rate_rad_s: float,
-        measured: tuple[float | None, float | None],
-        dt: float,
+        self, forward_m_s: float, yaw_rate_rad_s: float, measured: tuple[float | None, float | None], dt: float
     ) -> tuple[int, int, int, int]:
         """Return x, y, z, r (-1000 to 1000; z from 0, neutral 500) for one period of `dt` seconds.
 

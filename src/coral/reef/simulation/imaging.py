@@ -91,11 +91,7 @@ class ImagingMeter:
         """Count a picture in the caller's `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
         transform = T_world_camera(pose, self.camera, seabed_z=self._seabed_z)
         imaging_kernels.image(
-            transform[:3, 3].copy(),
-            np.ascontiguousarray(transform[:3, :3]),
-            self._sight,
-            level,
-            count,
+            transform[:3, 3].copy(), np.ascontiguousarray(transform[:3, :3]), self._sight, level, count
         )
 
     def look_along(

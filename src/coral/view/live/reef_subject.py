@@ -17,11 +17,7 @@ from coral.view.decisions import Try
 from coral.view.live.stream import Moment, Subject
 from coral.view.run import Record, RunFolder
 
-TITLES = {
-    "centroid": "Which cluster next?",
-    "waypoint": "Where to next?",
-    "mission": "What next for this mission?",
-}
+TITLES = {"centroid": "Which cluster next?", "waypoint": "Where to next?", "mission": "What next for this mission?"}
 CAUSES = {
     "distance": "the goal is near",
     "stuck": "the robot is stuck",
