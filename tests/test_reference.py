@@ -16,8 +16,8 @@ from coral.contact.franka.stream import StopCause
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.tasks import load_task
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
-from coral.reef.sea.address import FORMS, Medium
 from coral.reef.sea.operator import WORDS, Word
+from coral.reef.sea.transport import FORMS, Medium
 from reference import texts
 
 ROOT = Path(__file__).parents[1]

@@ -78,7 +78,7 @@ NAMED = {
     "codes-task": ("code | what", "reference_texts:TASK_CODES"),
     "diagnoses": ("diagnosis | what", "coral.contact.thinker.diagnosis:TEXTS"),
     "libero": ("kind | what", "coral.contact.libero.task:KINDS"),
-    "addresses": ("address | what", "coral.reef.sea.address:FORMS"),
+    "addresses": ("address | what", "coral.reef.sea.transport:FORMS"),
     "policy-observation": ("key | what", "coral.contact.policy.libero_convention:OBSERVATION"),
 }
 """Tables of a mapping: head, and where it is."""

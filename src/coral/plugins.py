@@ -66,8 +66,8 @@ OURS: dict[str, dict[str, str]] = {
         "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },
     "rehearsal": {
-        "camera": "coral.reef.rehearsal.simulated_camera:SimulatedCamera",
-        "sonar": "coral.reef.rehearsal.simulated_sonar:SimulatedSonar",
+        "camera": "coral.reef.rehearsal.simulated_sensors:SimulatedCamera",
+        "sonar": "coral.reef.rehearsal.simulated_sensors:SimulatedSonar",
         "truth": "coral.reef.rehearsal.truth:TruthFeed",
     },
     "networks": {

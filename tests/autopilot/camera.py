@@ -28,13 +28,12 @@ from numpy.typing import NDArray
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import PRESETS, apply_preset
-from coral.reef.rehearsal.simulated_camera import SimulatedCamera
-from coral.reef.rehearsal.simulated_sonar import SimulatedSonar
+from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSonar
 from coral.reef.rehearsal.truth import TruthFeed
-from coral.reef.sea.address import parse_address
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.reef_truth import ReefTruth
+from coral.reef.sea.record import ReefTruth
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
+from coral.reef.sea.transport import parse_address
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter
 from coral.reef.world.find_world import find_world

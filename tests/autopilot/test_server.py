@@ -9,8 +9,7 @@ from autopilot.autopilot import SimulatedAutopilot
 from autopilot.body import Body, OpenWater
 from autopilot.server import AutopilotServer
 from coral.errors import InputError
-from coral.reef.sea.address import parse_address
-from coral.reef.sea.transport import open_transport
+from coral.reef.sea.transport import open_transport, parse_address
 
 
 @pytest.fixture(params=["udp", "tcp"])

@@ -1,10 +1,12 @@
 import json
+import os
 from pathlib import Path
 
 import pytest
 from contact_bench import changed
 
 from coral.cli import main
+from coral.commands.contact_run import HINT, KeyboardVerdict
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.variants import VARIANTS, WHAT
 from coral.contact.scene.task_file import TASKS_DIR
@@ -182,3 +184,20 @@ def test_an_episode_ends_where_nobody_may_stand_in(task, refusing, tmp_path, cap
     assert (result["success"], result["end_reason"], result["steps"]) == (False, reason, 0)
     assert result["end_reason"].partition(":")[0] in END_REASONS
     assert result["decided"] == f"the advisor decided 0 of 1 decisions, nobody 1 ({policy})"
+
+
+def test_the_keyboard_is_read_without_waiting(capsys):
+    read, write = os.pipe()
+    with os.fdopen(read) as stream:
+        verdict = KeyboardVerdict(stream)
+        assert verdict() == ""
+        os.write(write, b"what?\n")
+        assert verdict() == ""
+        assert HINT in capsys.readouterr().err
+        os.write(write, b" S \n")
+        assert verdict() == "success"
+        os.write(write, b"no\nf\ns\n")  # all at once
+        assert verdict() == "failure"
+        os.close(write)
+        assert verdict() == "success"
+        assert verdict() == ""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import select
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TextIO
 
 from coral.advisor.attribution import RECORDED_MODEL, who_decided
 from coral.advisor.model_cfg import ModelCfg
@@ -17,7 +20,6 @@ from coral.advisor.recorded import is_recorded
 from coral.advisor.registry import advisor_help, innermost
 from coral.commands.config_flag import configured
 from coral.commands.live import LiveFlags, watching
-from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
 from coral.commands.render import list_made, render
 from coral.commands.robot_flags import RobotFlags, robot_names
@@ -51,6 +53,8 @@ from coral.terminal import tell
 from coral.words import many
 
 TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
+VERDICTS: dict[str, Literal["success", "failure"]] = {"s": "success", "f": "failure"}
+HINT = "Judge the episode: s and Enter for success, f and Enter for failure."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,3 +265,27 @@ class StandInNotice:
                 f"at {event['t']:.1f} s the advisor did not decide on the {event['what']} ({event['because']}): "
                 f"{then} (--fallback {event['policy']})"
             )
+
+
+class KeyboardVerdict:
+    """Reads the verdict without waiting for it: a line that is `s` or `f` from a file, by default standard input."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._file: int | None = (stream or sys.stdin).fileno()
+        self._begun = b""
+
+    def __call__(self) -> Literal["success", "failure", ""]:
+        """Return the verdict; "" if there is none yet. Other lines get the hint on standard error."""
+        # Bytes and not lines are read: a line in the stream's buffer would be invisible to select.
+        while self._file is not None and select.select([self._file], [], [], 0)[0]:
+            found = os.read(self._file, 4096)
+            if not found:  # closed: no verdict will come
+                self._file = None
+            self._begun += found
+        while b"\n" in self._begun:
+            line, _, self._begun = self._begun.partition(b"\n")
+            word = line.decode(errors="replace").strip().lower()
+            if word in VERDICTS:
+                return VERDICTS[word]
+            tell(HINT)
+        return ""

@@ -16,9 +16,9 @@ from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.plugins import our_part
-from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
+from coral.reef.sea.transport import parse_address
 from coral.reef.vehicle.response import VehicleResponse
 from coral.terminal import tell
 from coral.yaml_file import to_yaml

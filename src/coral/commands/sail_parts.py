@@ -25,7 +25,6 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_camera
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.sea.address import parse_address
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
@@ -35,6 +34,7 @@ from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
+from coral.reef.sea.transport import parse_address
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import WIDEST_PX, Fit, VideoCamera, resized

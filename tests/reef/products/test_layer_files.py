@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from coral.reef.products.feature import Feature, Layer
-from coral.reef.products.layer_files import write_geojson, write_geopackage
+from coral.reef.products.layer_files import Feature, Layer, closed_ring, write_geojson, write_geopackage, write_table
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.world.geometry import Pose
 
@@ -87,3 +86,22 @@ def test_what_lies_on_the_date_line_is_cut_there(tmp_path, longitude, heading):
     width = sum(np.ptp(np.array(ring)[:, 0]) for ring in parts[:2])
     assert width * 111_320.0 * np.cos(np.radians(17.0)) == pytest.approx(40.0, abs=0.2)
     assert found["Point"]["coordinates"][0] == pytest.approx(longitude)
+
+
+def test_a_ring_is_closed_and_counter_clockwise():
+    clockwise = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    ring = closed_ring(clockwise)
+    np.testing.assert_array_equal(ring[0], ring[-1])
+    assert len(ring) == 5
+    assert ring[1].tolist() == [1.0, 0.0]
+    np.testing.assert_array_equal(closed_ring(ring), ring)
+
+
+def test_an_empty_layer_knows_its_columns():
+    assert Layer("x", "Point", (), columns=("a",)).attributes == ("a",)
+    assert Layer("x", "Point", (Feature((), {"b": 1}),), columns=("a",)).attributes == ("b",)
+
+
+def test_rows_come_in_the_order_of_the_columns_and_what_is_not_known_is_empty(tmp_path):
+    write_table(tmp_path / "t.csv", ("a", "b"), [{"b": 1.5, "a": "x, y"}, {"a": 2, "b": None}])
+    assert (tmp_path / "t.csv").read_text() == 'a,b\n"x, y",1.5\n2,\n'

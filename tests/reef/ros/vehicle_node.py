@@ -23,8 +23,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointField
 
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
-from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.rehearsal.simulated_link import SimulatedLink
+from coral.reef.rehearsal.simulated_sensors import SimulatedCamera
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter

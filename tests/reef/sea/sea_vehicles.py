@@ -5,8 +5,8 @@ import time
 from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
 from autopilot.body import Body, OpenWater
 from autopilot.line import AutopilotLine
-from coral.reef.sea.address import parse_address
 from coral.reef.sea.mavlink_link import MavlinkLink
+from coral.reef.sea.transport import parse_address
 
 
 class SimulatedVehicle:

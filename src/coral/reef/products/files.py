@@ -12,13 +12,19 @@ import numpy as np
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.reef.products import product_files
-from coral.reef.products.feature import Feature, Layer, Value, closed_ring
 from coral.reef.products.geotiff import write_geotiff
-from coral.reef.products.layer_files import write_geojson, write_geopackage
+from coral.reef.products.layer_files import (
+    Feature,
+    Layer,
+    Value,
+    closed_ring,
+    write_geojson,
+    write_geopackage,
+    write_table,
+)
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.survey_products import SurveyProducts
-from coral.reef.products.table import write_table
 from coral.reef.recordings.picture_files import encode_png
 
 NOTHING = -9999.0

@@ -1,23 +1,27 @@
-"""Layers of features as files, written by GDAL (pyogrio): GeoPackage, and GeoJSON (RFC 7946)."""
+"""Layers of features as files, written by GDAL (pyogrio): GeoPackage, and GeoJSON (RFC 7946); tables as CSV."""
 
 from __future__ import annotations
 
+import csv
+import io
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError, install_extra
-from coral.file_writer import scratch_for
-from coral.reef.products.feature import Feature, Layer, closed_ring
+from coral.file_writer import scratch_for, write_whole
 from coral.reef.products.placement import EarthPlacement
 
 NO_PLACE = 'LOCAL_CS["metres of the recording",UNIT["metre",1]]'
 """Reference system of a map without a datum."""
 _WKB = {"Point": 1, "LineString": 2, "MultiPolygon": 6}
+GeometryKind = Literal["Point", "LineString", "MultiPolygon"]
+Value = float | int | str | None
 
 
 def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacement) -> None:
@@ -83,3 +87,51 @@ def _wkb(layer: Layer, feature: Feature, placement: EarthPlacement) -> bytes:
 
 def _points(ring: NDArray[np.float64]) -> bytes:
     return struct.pack("<I", len(ring)) + bytes(ring.astype("<f8").tobytes())
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One thing on a map."""
+
+    rings: tuple[NDArray[np.float64], ...]
+    """A point or a line, or the closed outlines of a multipolygon's parts, in metres. Shape=(N, 2) each."""
+    values: dict[str, Value]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Features of one kind, all with the same attributes."""
+
+    name: str
+    kind: GeometryKind
+    features: tuple[Feature, ...]
+    title: str = ""
+    columns: tuple[str, ...] = field(default=())
+    """Names of the attributes, for a layer that may have no features."""
+
+    @property
+    def attributes(self) -> tuple[str, ...]:
+        """Names of the attributes."""
+        return tuple(self.features[0].values) if self.features else self.columns
+
+
+def closed_ring(ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a polygon's outline closed and counter-clockwise, as RFC 7946 wants outer rings. Shape=(N, 2)."""
+    if not np.array_equal(ring[0], ring[-1]):
+        ring = np.concatenate([ring, ring[:1]])
+    x, y = ring[:, 0], ring[:, 1]
+    area = float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    return ring if area >= 0.0 else ring[::-1].copy()
+
+
+def write_table(path: Path, columns: Sequence[str], rows: Sequence[Mapping[str, Value]]) -> None:
+    """Write a CSV file.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    text = io.StringIO()
+    table = csv.DictWriter(text, columns, lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    write_whole(path, text.getvalue().encode())

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from coral.reef.sea import ardusub
-from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.frames import pose_from_ned
-from coral.reef.sea.transport import Transport, open_transport
+from coral.reef.sea.transport import Transport, VehicleAddress, open_transport
 from coral.reef.world.geometry import Pose
 
 SIM_STATE = 108

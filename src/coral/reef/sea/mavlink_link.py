@@ -11,12 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from coral.reef.sea import ardusub
-from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.setpoints import FRESH_S, NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, climb_rate
 from coral.reef.sea.stations import MOST, Stations, place
 from coral.reef.sea.telemetry import Telemetry
-from coral.reef.sea.transport import Transport, open_transport
+from coral.reef.sea.transport import Transport, VehicleAddress, open_transport
 
 STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0, 132: 10.0}
 """Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS,

@@ -1,4 +1,7 @@
-"""Bytes to and from an autopilot, over UDP or TCP. A broken line is silence, and is opened again."""
+"""Where a vehicle is (`mavlink:udp:HOST:PORT` and its sisters), and bytes to and from it over UDP or TCP.
+
+A broken line is silence, and is opened again.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,25 @@ import select
 import socket
 import time
 from collections.abc import Callable, Hashable
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, get_args
 
-from coral.errors import InputError, first_line
-from coral.reef.sea.address import VehicleAddress
+from coral.errors import InputError, first_line, nearest
 
 CHUNK = 65536
 RETRY_S = 0.5
 """A broken TCP line is opened again so often."""
 PEERS = 8
 """udpin answers this many of the last senders."""
+Medium = Literal["udp", "udpin", "tcp"]
+FORMS = {
+    "mavlink:udpin:HOST:PORT": "Waits for a vehicle that sends here, as BlueOS does to QGroundControl's computer: add "
+    "an endpoint for it, and take `udpin:0.0.0.0:14550`.",
+    "mavlink:udp:HOST:PORT": "Speaks first to BlueOS, which listens (a UDP server endpoint).",
+    "mavlink:tcp:HOST:PORT": "Connects to ArduSub in the loop, or to a TCP endpoint; again when it breaks.",
+}
+"""Addresses of a vehicle."""
+EXPECTED = f"{', '.join(FORMS)}; with #ID behind it, the vehicle of that system id"
 
 
 class Transport(Protocol):
@@ -168,3 +180,37 @@ def open_transport(address: VehicleAddress) -> Transport:
         InputError: The host is unknown, or the port is taken.
     """
     return TcpLine(address) if address.medium == "tcp" else UdpLine(address)
+
+
+@dataclass(frozen=True)
+class VehicleAddress:
+    """A place to exchange bytes with an autopilot."""
+
+    medium: Medium
+    host: str
+    port: int
+    system: int = 0
+    """MAVLink system id of the vehicle; 0: the only one on the line."""
+
+
+def parse_address(text: str) -> VehicleAddress:
+    """Read `mavlink:MEDIUM:WHERE:NUMBER`, or `mavlink:MEDIUM:WHERE:NUMBER#SYSTEM`.
+
+    Raises:
+        InputError: It is none of the three forms, or the number is out of range.
+    """
+    place, marked, system = text.partition("#")
+    if marked and not (system.isascii() and system.isdigit() and len(system) < 4 and 1 <= int(system) <= 255):
+        raise InputError("--vehicle", "system id", repr(system), "a number from 1 to 255")
+    scheme, _, rest = place.partition(":")
+    medium, _, rest = rest.partition(":")
+    host, _, number = rest.rpartition(":")
+    if scheme != "mavlink":
+        raise InputError("--vehicle", "", repr(text), EXPECTED)
+    if medium not in get_args(Medium):
+        raise InputError("--vehicle", "", repr(text), f"{EXPECTED}{nearest(medium, get_args(Medium))}")
+    if not host or not number.isascii() or not number.isdigit():
+        raise InputError("--vehicle", "", repr(text), EXPECTED)
+    if len(number) > 5 or not 1 <= int(number) <= 65_535:
+        raise InputError("--vehicle", "port", number, "a number from 1 to 65535")
+    return VehicleAddress(medium, host.strip("[]"), int(number), int(system or 0))  # type: ignore[arg-type]

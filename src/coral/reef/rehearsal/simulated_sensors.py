@@ -1,4 +1,4 @@
-"""The simulated camera: pictures of a simulated reef from where a vehicle is, at a camera's rate."""
+"""Simulated sonar and camera in real time: a simulated reef from where a vehicle is, at a sensor's rate."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from coral.reef.map.sonar_3d15 import Sonar3d15
+from coral.reef.sea.latest_reading import HeardImage
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
 from coral.reef.simulation.noise import SensorNoise
@@ -17,6 +19,34 @@ from coral.reef.world.scene import Scene
 
 Where = Callable[[], tuple[float, Pose] | None]
 """where() returns a monotonic time (s) and the pose of the vehicle in the reef at that time; None while unknown."""
+
+
+class SimulatedSonar:
+    """Takes images at the sonar's rate. Around a real autopilot the reef exists only here."""
+
+    def __init__(
+        self,
+        sonar: Sonar3d15,
+        where: Where,
+        altitude_m: float,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        """Set up; `where` tells a monotonic time (s) and the pose of the vehicle, at an altitude (m)."""
+        self._sonar, self._where, self._altitude_m = sonar, where, altitude_m
+        self._rate = FixedRate(1.0 / sonar.cfg.rate_hz, clock, sleep)
+        self.name = "simulated"
+
+    def read(self) -> HeardImage | None:
+        """Wait for the next ping; None while nobody knows where the vehicle is."""
+        self._rate.wait()
+        found = self._where()
+        heard = None if found is None else HeardImage(found[0], self._sonar.image(found[1], self._altitude_m))
+        self._rate.finish()
+        return heard
+
+    def close(self) -> None:
+        """Nothing to free."""
 
 
 class SimulatedCamera:
