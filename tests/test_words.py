@@ -1,6 +1,6 @@
 import pytest
 
-from coral.words import is_numeral, many
+from coral.words import clock, is_numeral, many
 
 
 @pytest.mark.parametrize(
@@ -20,3 +20,10 @@ def test_only_one_is_singular(said, expected):
 @pytest.mark.parametrize(("text", "expected"), [("10", True), ("-0.5e3", True), ("1 s", False), ("", False)])
 def test_a_numeral_is_what_python_reads_as_a_number(text, expected):
     assert is_numeral(text) is expected
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(0.0, "0:00"), (59.4, "0:59"), (70.6, "1:11"), (60.0, "1:00"), (3725.0, "62:05")]
+)
+def test_time_in_minutes_and_seconds(seconds, said):
+    assert clock(seconds) == said

@@ -15,3 +15,9 @@ def is_numeral(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def clock(seconds: float) -> str:
+    """Format simulated time as m:ss."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d}"

@@ -1,128 +1,83 @@
-import math
 import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 
-from coral.view.charts import (
-    LEFT,
-    RIGHT,
-    WIDTH,
-    Bar,
-    Span,
-    chart,
-    clock,
-    curves_chart,
-    lanes_chart,
-    path,
-    text,
-    thin,
-    time_axis,
-    time_ticks,
-)
+from coral.view.charts import INSIDE, LEFT, WIDTH, bar, curves_chart, dot, lanes_chart, svg
+
+T = np.linspace(0.0, 1.0, 20)
 
 
-def test_a_scale_maps_its_ends_and_its_middle():
-    span = Span(2.0, 4.0, 100.0, 20.0)
-    assert [span(v) for v in (2.0, 3.0, 4.0)] == [100.0, 60.0, 20.0]
-    assert Span(2.0, 2.0, 100.0, 20.0)(2.0) == 100.0
+def texts(axes):
+    return [e.text for e in ET.fromstring(svg(axes)).iter("text")]
 
 
-def test_ticks_are_round_and_inside():
-    assert Span(-0.3, 1.0, 0, 1).ticks(4) == pytest.approx([0.0, 0.5, 1.0])
-    assert Span(0.0, 95.0, 0, 1).ticks(5) == [0.0, 20.0, 40.0, 60.0, 80.0]
-
-
-@pytest.mark.parametrize(
-    ("seconds", "said"), [(0.0, "0:00"), (59.4, "0:59"), (70.6, "1:11"), (60.0, "1:00"), (3725.0, "62:05")]
-)
-def test_time_in_minutes_and_seconds(seconds, said):
-    assert clock(seconds) == said
+def box(told, root):
+    """The left and right edge (px) of what a pointer is told about."""
+    (group,) = (e for e in root.iter("g") if e.findtext("title") == told)
+    xs = [float(x) for x in re.findall(r"[ML] ([-\d.]+)", group.find("path").get("d"))]
+    return pytest.approx((min(xs), max(xs)), abs=1e-3)
 
 
 @pytest.mark.parametrize("duration_s", [0.0, 0.4, 9.0, 61.0, 600.0, 36_000.0])
-def test_time_ticks_are_few_and_on_the_axis(duration_s):
-    ticks = time_ticks(time_axis(duration_s))
-    assert 1 <= len(ticks) <= 11
-    assert ticks[0] == 0.0
-    assert ticks[-1] <= max(duration_s, 1e-3)
+def test_times_are_few_and_start_at_zero(duration_s):
+    said = [one for one in texts(lanes_chart(duration_s, ["a"], "x")) if ":" in one]
+    assert said[0] == "0:00"
+    assert len(said) <= 11
 
 
-def test_words_are_no_markup():
-    assert ET.fromstring(text(1, 2, "<b>&'\"")).text == "<b>&'\""
-    svg = ET.fromstring(chart(50, [], time_axis(1.0), label='"><script>', top=0, bottom=40))
-    assert svg.get("aria-label") == '"><script>'
+def test_words_are_no_markup_and_no_formula():
+    bad = '"><script>$x$'
+    axes = curves_chart(1.0, T, {bad: T}, "x")
+    dot(axes, 0.5, 0.5, bad)
+    root = ET.fromstring(svg(axes))
+    assert root.findtext(".//title") == bad
+    assert bad in [e.text for e in root.iter("text")]
+    lanes = lanes_chart(1.0, [bad], "x")
+    bar(lanes, 0, 0.0, 1.0, "x", "red", name=bad)
+    assert texts(lanes).count(bad) == 2
 
 
-def test_a_curve_is_broken_where_a_value_is_missing():
-    assert (
-        path([0, 1, 2, 3], [0, 1, math.nan, 3], "c") == '<path d="M0.0,0.0L1.0,1.0M3.0,3.0" class="curve" style="c"/>'
-    )
-    assert (
-        path([0, 1, 2], [5, 5, 7], "c", steps=True)
-        == '<path d="M0.0,5.0L1.0,5.0L2.0,5.0L2.0,7.0" class="curve" style="c"/>'
-    )
-    assert path([1.0], [math.inf], "c") == ""
+def test_a_chart_is_the_same_each_time_and_shares_no_id_with_another():
+    one, again, other = (svg(curves_chart(1.0, T, {"x": T}, label)) for label in ("x", "x", "y"))
+    assert one == again
+    ids = [set(re.findall(r'id="([^"]*)"', text)) for text in (one, other)]
+    assert ids[0]
+    assert not ids[0] & ids[1]
+    assert "<style" not in one
 
 
-def test_charts_share_their_time_axis():
-    axis = time_axis(10.0)
-    assert (axis(0.0), axis(10.0)) == (LEFT, WIDTH - RIGHT)
-    svg = ET.fromstring(chart(77.0, [], axis, label="x", top=0, bottom=40))
-    assert svg.get("viewBox") == f"0 0 {WIDTH:.0f} 77"
-    assert [t.text for t in svg.iter("text")] == [clock(t) for t in time_ticks(axis)]
+def test_a_long_run_keeps_its_extremes_and_not_all_its_points():
+    t, values = np.arange(100_000.0), np.random.default_rng(0).random(100_000)
+    values[54_321] = 9.0
+    text = svg(curves_chart(1e5, t, {"x": values}, "x"))
+    assert len(text) < 150_000
+    assert re.search(rf"L {LEFT + INSIDE * 0.54321:.0f}[.\d]* 25 \n", text)
 
 
-def test_thinning_keeps_ends_and_every_extreme():
-    times, values = np.arange(100_000.0), np.zeros(100_000)
-    values[12_345], values[54_321], values[60_000] = 9.0, -9.0, math.nan
-    few, kept = thin(times, values)
-    assert len(few) <= 3 * 900
-    assert (few[0], few[-1]) == (0.0, 99_999.0)
-    assert {(12_345.0, 9.0), (54_321.0, -9.0)} <= set(zip(few.tolist(), kept.tolist(), strict=True))
-    assert thin(times[:5], values[:5])[0] is not None
-    np.testing.assert_array_equal(thin(times[:5], values[:5])[0], times[:5])
-
-
-def test_a_legend_of_many_names_takes_more_rows():
-    t = np.linspace(0.0, 1.0, 20)
-    few, many = (curves_chart(1.0, t, {f"a rather long name {k}": t for k in range(n)}, "x") for n in (2, 12))
-    heights = [float(re.search(r'viewBox="0 0 1100 (\d+)', svg)[1]) for svg in (few, many)]
+def test_a_legend_of_many_names_takes_more_rows_and_dashes_the_colours_that_come_again():
+    few, many = (svg(curves_chart(1.0, T, {f"a rather long name {k}": T for k in range(n)}, "x")) for n in (2, 12))
+    heights = [float(re.search(r'viewBox="0 0 1100 (\d+)', text)[1]) for text in (few, many)]
     assert heights[1] > heights[0]
-
-
-def test_colours_that_come_again_are_dashed():
-    t = np.linspace(0.0, 1.0, 20)
-    svg = curves_chart(1.0, t, {str(k): t for k in range(11)}, "x")
-    assert svg.count("stroke:#0b6470;stroke-dasharray") == 2  # in the legend and as a curve
-    assert svg.count("stroke:#0b6470") == 4
-
-
-def test_a_value_that_is_missing_leaves_a_gap_and_a_band_is_on_the_scale():
-    t = np.array([0.0, 0.5, 1.0])
-    svg = curves_chart(1.0, t, {"x": np.array([1.0, np.nan, 2.0])}, "x", bands=[(8.0, 10.0, "wanted")])
-    assert "nan" not in svg
-    assert "10" in [e.text for e in ET.fromstring(svg).iter("text")]
-
-
-def test_dots_and_limits_stand_at_their_values():
-    t = np.array([0.0, 1.0])
-    svg = curves_chart(1.0, t, {"x": t}, "x", ceiling=1.0, limits=[(0.5, "limit")], dots=[(1.0, 0.5, "half <way>")])
-    root = ET.fromstring(svg)
-    (dot,) = root.iter("circle")
-    (limit,) = (one for one in root.iter("line") if one.get("class") == "limit")
-    assert dot.get("cy") == limit.get("y1")
-    assert [one.text for one in root.iter("title")] == ["half <way>"]
+    assert ("stroke-dasharray" in few, many.count("stroke: #0b6470")) == (False, 4)
 
 
 def test_a_moment_is_a_bar_around_its_time_that_stays_on_the_axis():
-    bars = [Bar(lane="b", start=at, end=at, said="x", least=10) for at in (0.0, 0.5, 1.0)]
-    root = ET.fromstring(lanes_chart(1.0, ["a", "b"], bars, "bars"))
-    lefts = [float(one.get("x")) for one in root.iter("rect")]
-    assert lefts == [LEFT, time_axis(1.0)(0.5) - 5, WIDTH - RIGHT - 10]
+    axes = lanes_chart(1.0, ["a", "b"], "x")
+    for at in (0.0, 0.5, 1.0):
+        bar(axes, 1, at, at, f"at {at}", "red", decision=3)
+    bar(axes, 0, 0.5, 9.0, "late", "red")
+    root = ET.fromstring(svg(axes))
+    assert box("at 0.0", root) == (LEFT, LEFT + 4)
+    assert box("at 0.5", root) == (LEFT + INSIDE / 2 - 2, LEFT + INSIDE / 2 + 2)
+    assert box("at 1.0", root) == (WIDTH - 22, WIDTH - 18)
+    assert box("late", root) == (LEFT + INSIDE / 2, WIDTH - 18)
+    assert [e.get("data-decision") for e in root.iter("g") if e.get("class") == "ask"] == ["3"] * 3
 
 
 def test_a_name_is_written_into_a_bar_that_has_room_for_it():
-    bars = [Bar(lane="a", start=0.0, end=end, said="x", name="lifting") for end in (0.01, 0.9)]
-    assert lanes_chart(1.0, ["a"], bars, "bars").count(">lifting<") == 1
+    axes = lanes_chart(1.0, ["a"], "bars")
+    for end in (0.01, 0.9):
+        bar(axes, 0, 0.0, end, "x", "red", name="lifting")
+    assert texts(axes).count("lifting") == 1

@@ -47,7 +47,7 @@ def test_each_cause_has_a_lane_and_each_question_a_bar(run):
     root, texts, titles = drawn(event_chart(run, decisions(run)))
     assert {"first question", "near the goal", "stuck", "advisor thinking", "mode", "incidents"} <= set(texts)
     assert "planner failed" not in texts
-    bars = [e.get("data-decision") for e in root.iter("rect") if (e.get("class") or "").startswith("ask")]
+    bars = [e.get("data-decision") for e in root.iter("g") if e.get("class") == "ask"]
     assert bars == ["0", "1", "1", "1", "2"]
     assert "0:12–0:13: held back (a question was already open)" in titles
     assert "0:26: collision" in titles

@@ -41,6 +41,14 @@ def test_a_click_on_a_decision_shows_it(fresh, open_page):
     assert page.locator("#decision-1").get_attribute("open") is not None
 
 
+def test_a_click_on_a_chart_shows_its_decision_or_its_moment(fresh, open_page):
+    page = open_page(fresh)
+    page.locator('.chart [data-decision="0"]').click()
+    assert "Decision 0" in page.inner_text("#now-decision")
+    page.locator(".chart").first.click()
+    assert page.get_attribute(".cursor", "x1") == "550"
+
+
 def test_a_layer_can_be_hidden(fresh, open_page):
     page = open_page(fresh)
     page.locator('[data-layer="truth"]').uncheck()

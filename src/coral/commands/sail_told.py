@@ -15,7 +15,7 @@ from typing import Any
 from coral.reef.mission.events import place_told, sight_told
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
-from coral.view.charts import clock
+from coral.words import clock
 
 TOLD = (
     "state",

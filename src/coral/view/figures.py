@@ -6,17 +6,18 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from coral.run_files import SurveyFiles
-from coral.view.charts import Bar, clock, curves_chart, lanes_chart
+from coral.view.charts import HUES, bar, curves_chart, dot, lanes_chart, svg
 from coral.view.decisions import Decision
 from coral.view.run import RunFolder, read_table
+from coral.words import clock
 
 ROBOT_RADIUS_M = 0.3
 """Radius of the disc for collisions (CORAL IV-F)."""
 INSPECTED_MARKS = (0.5, 0.8, 0.9, 1.0)
 """Shares whose times are marked on the curve of the inspected area."""
-PERCENT = {share: f"{share:.0%}" for share in (0.0, 0.25, 0.5, 0.75, 1.0)}
 FARTHEST_M = 2.0
 """Largest clearance that is drawn."""
 
@@ -24,19 +25,16 @@ FARTHEST_M = 2.0
 def coverage_chart(run: RunFolder) -> str:
     """Draw the share of true clusters covered over time, with a dot for each cluster."""
     times, coverage = run.column("t"), run.column("coverage")
-    dots = []
     if len(times):
         times = np.concatenate([[0.0], times])
         coverage = np.concatenate([[0.0 if math.isnan(coverage[0]) else coverage[0]], coverage])
-        for event in run.select("cluster_covered"):
-            at = float(event["t"])
-            level = float(np.interp(at + 0.15, times, coverage))
-            dots.append((at, level, f"{event.get('name', '')} covered at {clock(at)}"))
     name = f"covered {coverage[-1]:.0%}" if len(coverage) and math.isfinite(coverage[-1]) else "covered"
-    curves = {name: coverage}
-    return curves_chart(
-        run.duration_s, times, curves, "clusters covered", ceiling=1.0, ticks=PERCENT, dots=dots, steps=True
-    )
+    axes = curves_chart(run.duration_s, times, {name: coverage}, "clusters covered")
+    for event in run.select("cluster_covered") if len(times) else ():
+        at = float(event["t"])
+        level = float(np.interp(at + 0.15, times, coverage))
+        dot(axes, at, level, f"{event.get('name', '')} covered at {clock(at)}")
+    return _shares(axes)
 
 
 def imaging_chart(run: RunFolder) -> str:
@@ -45,64 +43,74 @@ def imaging_chart(run: RunFolder) -> str:
     if not {"t", "imaged", "inspected"} <= table.keys() or not len(table["t"]):
         return ""
     t, imaged, inspected = table["t"], table["imaged"], table["inspected"]
-    dots = []
+    curves = {f"inspected {inspected[-1]:.0%}": inspected, f"imaged {imaged[-1]:.0%}": imaged}
+    axes = curves_chart(run.duration_s, t, curves, "oyster area")
     for share in INSPECTED_MARKS:
         reached = np.flatnonzero(inspected >= share - 1e-6)
         if reached.size:
             at = float(t[reached[0]])
-            dots.append((at, share, f"{share:.0%} inspected at {clock(at)}"))
-    curves = {f"inspected {inspected[-1]:.0%}": inspected, f"imaged {imaged[-1]:.0%}": imaged}
-    return curves_chart(run.duration_s, t, curves, "oyster area", ceiling=1.0, ticks=PERCENT, dots=dots, steps=True)
+            dot(axes, at, share, f"{share:.0%} inspected at {clock(at)}")
+    return _shares(axes)
+
+
+def _shares(axes: Axes) -> str:
+    """Finish a chart of shares, each of which holds until the next."""
+    for line in axes.lines:
+        line.set_drawstyle("steps-post")
+    axes.set(ylim=(0, 1), yticks=[0, 0.25, 0.5, 0.75, 1], yticklabels=["0%", "25%", "50%", "75%", "100%"])
+    return svg(axes)
 
 
 def speed_chart(run: RunFolder) -> str:
     """Draw the speed over ground, and the forward speed that was commanded."""
-    speed = np.hypot(run.column("u"), run.column("v"))
-    curves = {"actual": speed, "commanded": run.column("v_cmd")}
-    return curves_chart(run.duration_s, run.column("t"), curves, "speed, m/s", height=176.0, floor=0.0)
+    curves = {"actual": np.hypot(run.column("u"), run.column("v")), "commanded": run.column("v_cmd")}
+    return svg(curves_chart(run.duration_s, run.column("t"), curves, "speed, m/s", 118.0))
 
 
 def clearance_chart(run: RunFolder) -> str:
     """Draw the true distance from the robot's hull to the nearest obstacle; zero is contact."""
     t, clearance = run.column("t"), run.column("clearance")
-    name = "clearance"
     dots = [
         (float(event["t"]), 0.0, f"collision at {clock(float(event['t']))}")
         for event in run.select("collision")
         if not event.get("robot")
     ]
+    name = "clearance"
     if np.isfinite(clearance).any():
         k = int(np.nanargmin(clearance))
         name = f"clearance: closest pass {clearance[k]:.2f} m at {clock(float(t[k]))}"
         dots.append((float(t[k]), min(FARTHEST_M, float(clearance[k])), name))
-    return curves_chart(
-        run.duration_s,
-        t,
-        {name: np.minimum(clearance, FARTHEST_M)},
-        "clearance, m",
-        ceiling=FARTHEST_M,
-        ticks={0.0: "0", 0.5: "0.5", 1.0: "1", 1.5: "1.5", FARTHEST_M: "2+"},
-        bands=[(0.0, ROBOT_RADIUS_M, "band")],
-        limits=[(0.0, "limit")],
-        dots=dots,
-    )
+    axes = curves_chart(run.duration_s, t, {name: np.minimum(clearance, FARTHEST_M)}, "clearance, m")
+    axes.axhspan(0.0, ROBOT_RADIUS_M, color=HUES[1], alpha=0.07)
+    axes.axhline(0.0, color=HUES[1], linewidth=1.5)
+    for at, value, told in dots:
+        dot(axes, at, value, told)
+    axes.set_ylim(top=FARTHEST_M)
+    axes.set_yticks([0.0, 0.5, 1.0, 1.5, FARTHEST_M], ["0", "0.5", "1", "1.5", "2+"])
+    return svg(axes)
 
 
-LANES = (
-    ("first", "first question"),
-    ("distance", "near the goal"),
-    ("stuck", "stuck"),
-    ("failure", "planner failed"),
-    ("deviation", "off the path"),
-    ("own", "own trigger"),
-    ("instruction", "new instruction"),
-)
-THINKING = "advisor thinking"
-HELD = {
-    "pending": "a question was already open",
-    "cooldown": "asked too recently",
-    "separation": "the new goal would be too near the old one",
+LANES = {
+    "first": "first question",
+    "distance": "near the goal",
+    "stuck": "stuck",
+    "failure": "planner failed",
+    "deviation": "off the path",
+    "own": "own trigger",
+    "instruction": "new instruction",
 }
+HELD = {
+    "pending": ("a question was already open", "#c9d1d9"),
+    "cooldown": ("asked too recently", "#e9b44c"),
+    "separation": ("the new goal would be too near the old one", "#b79be0"),
+}
+ASKED = {
+    "accepted": ("accepted", "#4fae7c"),
+    "rejected": ("rejected", "#e0796f"),
+    "malformed": ("malformed or no answer", "#b8433a"),
+    "unavailable": ("malformed or no answer", "#b8433a"),
+}
+MODES = {"centroid": "#ffdcb3", "waypoint": "#cfdcf5"}
 INCIDENTS = {
     "collision": "collision",
     "planner_failure": "no safe motion found, robot brakes",
@@ -115,41 +123,39 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
     """Draw when and why the advisor was or was not asked, its latency, and its mode."""
     triggers = run.select("trigger")
     causes = {str(event.get("cause")) for event in triggers}
-    lanes = {key: name for key, name in LANES if key in causes}
-    lanes |= {cause: cause for cause in sorted(causes - lanes.keys())}
-    bars = []
-    for cause, name in lanes.items():
-        held: dict[str, list[float]] = {}
-        for event in triggers:
-            if event.get("cause") == cause and not event.get("fired"):
-                held.setdefault(str(event.get("held_by") or "held"), []).append(float(event["t"]))
-        for why, times in held.items():
-            for start, end in _stretches(times):
-                said = f"{clock(start)}–{clock(end)}: held back ({HELD.get(why, why)})"
-                bars.append(Bar(lane=name, start=start, end=end, said=said, cls=f"held {why}", height=8))
-        for event in triggers:
-            if event.get("cause") == cause and event.get("fired"):
-                t = float(event["t"])
-                said = f"{clock(t)}: asked ({name})"
-                bars.append(Bar(lane=name, start=t, end=t, said=said, cls="fired", height=11, least=11))
+    lanes = [*(key for key in LANES if key in causes), *sorted(causes - LANES.keys())]
+    rows = [*(LANES.get(key, key) for key in lanes), "advisor thinking", "mode", "incidents"]
+    thinking, mode_lane, incidents = range(len(lanes), len(rows))
+    axes = lanes_chart(run.duration_s, rows, "Triggers and decisions over time")
+    held: dict[tuple[int, str], list[float]] = {}
+    for event in triggers:
+        lane, t = lanes.index(str(event.get("cause"))), float(event["t"])
+        if event.get("fired"):
+            dot(axes, t, lane, f"{clock(t)}: asked ({rows[lane]})", 11, label="fired")
+        else:
+            held.setdefault((lane, str(event.get("held_by") or "held")), []).append(t)
+    for (lane, why), times in held.items():
+        words, color = HELD.get(why, (why, "#c9d1d9"))
+        for start, end in _stretches(times):
+            said = f"{clock(start)}–{clock(end)}: held back ({words})"
+            bar(axes, lane, start, end, said, color, 8, label=f"held back: {words}")
     for decision in made:
         for one in decision.tries:
             end = one.answered_at_s if one.answered_at_s is not None else run.duration_s
-            said = f"decision {decision.number}, {one.verdict} {one.code}"
-            cls, number = f"ask {one.verdict}", decision.number
-            bars.append(Bar(lane=THINKING, start=one.asked_at_s, end=end, said=said, cls=cls, decision=number))
+            words, color = ASKED.get(one.verdict, ("withdrawn or still open", "#9aa7b4"))
+            said, number = f"decision {decision.number}, {one.verdict} {one.code}", decision.number
+            bar(axes, thinking, one.asked_at_s, end, said, color, label=words, decision=number, edgecolor="white")
     modes = [event for event in run.select("mode") if not event.get("robot")]
     ends = [*(float(event["t"]) for event in modes[1:]), run.duration_s]
     for event, end in zip(modes, ends, strict=False):
         start, mode = float(event["t"]), str(event.get("mode", ""))
         said = f"{clock(start)}–{clock(end)}: {mode}"
-        bars.append(Bar(lane="mode", start=start, end=end, said=said, cls=f"mode {mode}", name=mode))
+        bar(axes, mode_lane, start, end, said, MODES.get(mode, "#dfe9ec"), name=mode)
     for event in run.select(*INCIDENTS):
         t, kind = float(event["t"]), str(event["event"])
-        said = f"{clock(t)}: {INCIDENTS[kind]}"
-        bars.append(Bar(lane="incidents", start=t, end=t, said=said, cls=f"incident {kind}"))
-    rows = [*lanes.values(), THINKING, "mode", "incidents"]
-    return lanes_chart(run.duration_s, rows, bars, "Triggers and decisions over time")
+        color = HUES[1] if kind == "collision" else HUES[2]
+        bar(axes, incidents, t, t, f"{clock(t)}: {INCIDENTS[kind]}", color, label="incident")
+    return svg(axes)
 
 
 def _stretches(times: Sequence[float], gap: float = 0.35) -> list[tuple[float, float]]:

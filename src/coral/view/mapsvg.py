@@ -15,9 +15,9 @@ from coral.drawing import palette_png, png_url
 from coral.reef.decide.said import said_by
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
-from coral.view.charts import clock, line, text
 from coral.view.decisions import Decision, chain_at
 from coral.view.run import Record, RunFolder
+from coral.words import clock
 
 SIZE_PX = 760.0
 """Longer side of the map in its own pixels."""
@@ -215,6 +215,16 @@ class MapSvg:
             'class="tick">north, m</text>'
         )
         return "".join(parts)
+
+
+def text(x: float, y: float, words: str, cls: str = "", anchor: str = "middle") -> str:
+    """Draw a label; `cls` names its style in the page."""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{cls}">{escape(words)}</text>'
+
+
+def line(x1: float, y1: float, x2: float, y2: float, cls: str) -> str:
+    """Draw a straight line."""
+    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" class="{cls}"/>'
 
 
 def map_uri(cells: NDArray[Any]) -> str:

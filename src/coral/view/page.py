@@ -14,8 +14,8 @@ from coral.file_writer import write_whole, writing
 from coral.foreign_file import read_text
 from coral.odd_text import encodable
 from coral.run_files import RunFiles
-from coral.view.charts import clock
 from coral.view.run import Record, RunFolder
+from coral.words import clock
 from coral.yaml_file import to_yaml
 
 TEMPLATES = Path(__file__).parent / "templates"

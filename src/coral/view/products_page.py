@@ -19,8 +19,8 @@ from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.truth import true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.reef.world.world_model import ReefWorld
-from coral.view.charts import clock
 from coral.view.page import render_page, write_page
+from coral.words import clock
 
 UNSEEN = (214, 218, 222)
 

@@ -20,15 +20,14 @@ from coral.reef.mission.events import place_told, sight_told
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
-from coral.view.charts import clock
 from coral.view.decisions import Decision, decisions
-from coral.view.figures import HELD, clearance_chart, coverage_chart, event_chart, imaging_chart, speed_chart
+from coral.view.figures import clearance_chart, coverage_chart, event_chart, imaging_chart, speed_chart
 from coral.view.mapsvg import MapSvg, cluster_fate
 from coral.view.page import TEMPLATES, metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 from coral.view.runmap import write_map
 from coral.view.time_slider import script_data, shown_pictures
-from coral.words import many
+from coral.words import clock, many
 
 TIMING = ("wall_time_s", "realtime_factor", "control_ms_median", "control_ms_p99")
 EXACT_M = 0.005
@@ -83,7 +82,6 @@ def render_report(run: RunFolder) -> str:
         collisions=collisions,
         **origin(run, ("world", "advisor", "variant", "seed"), TIMING),
         data=Markup(script_data(run, made, pictures)),
-        held=HELD,
         has_frames=run.kept_pictures,
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / SurveyFiles.VIDEO).is_file(),

@@ -15,11 +15,11 @@ from coral.file_writer import scratch_for, writing
 from coral.reef.pictures.cameraview import Kind, camera_picture
 from coral.reef.pictures.mapview import MapViewCfg, draw_map
 from coral.run_files import SurveyFiles
-from coral.view.charts import clock
 from coral.view.decisions import Decision, decisions
 from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder, read_camera_frame
 from coral.view.runmap import scene_at, snapshot, step_at
+from coral.words import clock
 
 WIDTH, HEIGHT = 1080, 720
 STRIP = 72

@@ -6,32 +6,32 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from coral.view.charts import HUES, Bar, curves_chart, lanes_chart
+from coral.view.charts import HUES, bar, curves_chart, lanes_chart, svg
 from coral.view.run import Record, RunFolder
+
+LIMIT: dict[str, Any] = {"color": "#1b2733", "linewidth": 1, "linestyle": (0, (4, 3))}
 
 
 def stages_chart(run: RunFolder) -> str:
     """Draw the active stage and the contacts over time."""
-    bars, names = [], stage_names(run)
+    again, touches, names = run.select("stuck", "cost_error"), touching(run), stage_names(run)
+    pairs = list(dict.fromkeys(f"{touch['first']} – {touch['second']}" for touch in touches))
+    lanes = ["stage", *pairs, *(["asked again"] if again else [])]
+    axes = lanes_chart(run.duration_s, lanes, "Stages and contacts over time")
     for start, end, name in stage_spans(run):
-        style = f"fill:{HUES[names.index(name) % len(HUES)]};opacity:.25"
-        said = f"{name}: {start:.2f} to {end:.2f} s"
-        bars.append(Bar(lane="stage", start=start, end=end, said=said, style=style, name=name))
-    pairs = []
-    for touch in touching(run):
-        pairs.append(f"{touch['first']} – {touch['second']}")
+        color = HUES[names.index(name) % len(HUES)]
+        bar(axes, 0, start, end, f"{name}: {start:.2f} to {end:.2f} s", color, alpha=0.25, name=name)
+    for touch in touches:
+        lane = 1 + pairs.index(f"{touch['first']} – {touch['second']}")
         start, end = float(touch["begun_s"]), float(touch["ended_s"])
         said = f"{start:.2f} to {end:.2f} s, mean {touch['mean_n']:.1f} N, at most {touch['peak_n']:.1f} N"
-        style = f"fill:{HUES[0]};opacity:.8"
-        bars.append(Bar(lane=pairs[-1], start=start, end=end, said=said, style=style, height=10))
-    again = run.select("stuck", "cost_error")
+        bar(axes, lane, start, end, said, HUES[0], 10, alpha=0.8)
     for event in again:
         t = float(event["t"])
-        said = f"{t:.2f} s: {event.get('text') or event.get('reason', '')}"
-        bars.append(Bar(lane="asked again", start=t, end=t, said=said, style=f"fill:{HUES[2]}"))
-    lanes = ["stage", *dict.fromkeys(pairs), *(["asked again"] if again else [])]
-    return lanes_chart(run.duration_s, lanes, bars, "Stages and contacts over time")
+        bar(axes, len(pairs) + 1, t, t, f"{t:.2f} s: {event.get('text') or event.get('reason', '')}", HUES[2])
+    return svg(axes)
 
 
 def cost_chart(run: RunFolder) -> str:
@@ -40,7 +40,7 @@ def cost_chart(run: RunFolder) -> str:
     names = list(dict.fromkeys(name for plan in plans for name in plan.get("terms", {})))
     t = np.array([float(plan["t"]) for plan in plans])
     curves = {name: np.array([_value(plan["terms"].get(name)) for plan in plans]) for name in names}
-    return curves_chart(run.duration_s, t, curves, "expected cost", marks=_stage_starts(run))
+    return _with_stages(run, curves_chart(run.duration_s, t, curves, "expected cost"))
 
 
 def _value(value: object) -> float:
@@ -52,7 +52,7 @@ def samples_chart(run: RunFolder) -> str:
     plans = run.select("plan")
     t = np.array([float(plan["t"]) for plan in plans])
     curves = {"effective samples": np.array([float(plan["ess"]) for plan in plans])}
-    return curves_chart(run.duration_s, t, curves, "samples", height=150.0, floor=0.0)
+    return svg(curves_chart(run.duration_s, t, curves, "samples", 92.0))
 
 
 def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -62,10 +62,11 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
         "measured at the wrist": np.asarray(felt),  # first, so that the forces on objects lie on top
         **{f"on the {name}": run.column(f"{name}_hand_force") for name in objects},
     }
-    asked = _forces(run)
-    bands = [(max(0.0, value * (1 - share)), value * (1 + share), "wanted") for _, value, share in asked]
-    limits = [(value, "limit main") for _, value, _ in asked]
-    return curves_chart(run.duration_s, run.column("t"), curves, "force, N", floor=0.0, bands=bands, limits=limits)
+    axes = curves_chart(run.duration_s, run.column("t"), curves, "force, N")
+    for _, value, share in _forces(run):
+        axes.axhspan(max(0.0, value * (1 - share)), value * (1 + share), color=HUES[4], alpha=0.1)
+        axes.axhline(value, **LIMIT)
+    return svg(axes)
 
 
 def wanted_forces(run: RunFolder) -> str:
@@ -91,13 +92,21 @@ def _forces(run: RunFolder) -> list[tuple[str, float, float]]:
 def motion_chart(run: RunFolder, objects: Sequence[str]) -> str:
     """Draw the heights above the table."""
     curves = {"tool": run.column("z"), **{name: run.column(f"{name}_z") for name in objects}}
-    return curves_chart(run.duration_s, run.column("t"), curves, "height, m", marks=_stage_starts(run))
+    return _with_stages(run, curves_chart(run.duration_s, run.column("t"), curves, "height, m"))
+
+
+def _with_stages(run: RunFolder, axes: Axes) -> str:
+    """Draw a line where a stage began, but for the first."""
+    for start, _, _ in stage_spans(run):
+        if start > 0:
+            axes.axvline(start, **LIMIT)
+    return svg(axes)
 
 
 def opening_chart(run: RunFolder) -> str:
     """Draw the distance between the fingers, commanded and measured."""
     curves = {"measured": 1e3 * run.column("opening"), "commanded": 1e3 * run.column("cmd_opening")}
-    return curves_chart(run.duration_s, run.column("t"), curves, "opening, mm", height=150.0, floor=0.0)
+    return svg(curves_chart(run.duration_s, run.column("t"), curves, "opening, mm", 92.0))
 
 
 def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -105,7 +114,7 @@ def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
     curves = {name: 1e3 * run.column(f"{name}_off_m") for name in objects}
     if not any(np.isfinite(values).any() for values in curves.values()):
         return ""
-    return curves_chart(run.duration_s, run.column("t"), curves, "off, mm", height=150.0, floor=0.0)
+    return svg(curves_chart(run.duration_s, run.column("t"), curves, "off, mm", 92.0))
 
 
 def tracks(run: RunFolder) -> str:
@@ -129,11 +138,6 @@ def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
     events = run.select("stage")
     ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][: len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]
-
-
-def _stage_starts(run: RunFolder) -> list[float]:
-    """Return when stages began (s), but for the first."""
-    return [start for start, _, _ in stage_spans(run) if start > 0]
 
 
 def touching(run: RunFolder) -> list[Record]:

@@ -118,7 +118,7 @@
   };
   slider.oninput = () => { stop(); show(+slider.value); };
   charts.forEach(({ svg }) => svg.addEventListener("click", (e) => {
-    const number = e.target.dataset && e.target.dataset.decision;
+    const number = e.target.closest("[data-decision]")?.dataset.decision;
     if (number) return select(number);
     const box = svg.getBoundingClientRect();
     stop(); show((((e.clientX - box.left) / box.width) * plotWidth - plotLeft) / (plotRight - plotLeft) * RUN.end);
