@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.generator.generate import SHIPPED, GeneratorCfg, generate, shipped
+from coral.reef.generator.generate import SHIPPED, GeneratorCfg, command_line, generate
 from coral.reef.generator.spines import EVERY_TOPOLOGY
 from coral.reef.map.chain import ChainCfg, components
 from coral.reef.simulation.coverage import rasterise
@@ -45,8 +45,10 @@ def gaps(world: ReefWorld) -> list[float]:
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_files_are_what_the_generator_makes(name, tmp_path):
-    world, comment = shipped(name)
-    save_world(world, tmp_path / "w.yaml", comment)
+    cfg = SHIPPED[name]
+    world, made_by = generate(cfg, name), f"Made by: {command_line(cfg, f'{name}.yaml')}"
+    head = f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians."
+    save_world(world, tmp_path / "w.yaml", f"{head}\n{made_by}")
     assert (tmp_path / "w.yaml").read_bytes() == (WORLDS_DIR / f"{name}.yaml").read_bytes()
     assert load_world(name) == world
 

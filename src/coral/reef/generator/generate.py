@@ -268,13 +268,3 @@ SHIPPED: dict[str, GeneratorCfg] = {
     "o2": GeneratorCfg(topology="O", size_m=(26.0, 26.0), clusters=8, obstacles=56, seed=52),
 }
 """Settings of the ten environments: two of each topology, the second one larger."""
-
-
-def shipped(name: str) -> tuple[ReefWorld, str]:
-    """Generate one of the ten environments again, with the comment at the head of its file."""
-    cfg = SHIPPED[name]
-    comment = (
-        f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"
-        f"Made by: {command_line(cfg, f'{name}.yaml')}"
-    )
-    return generate(cfg, name), comment
