@@ -359,3 +359,13 @@ def test_doubtful_oysters_are_no_evidence():
             Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.1, np.float32)), Pose(5.0 + 0.2 * k, 5.0, 0.0)
         )
     assert cells.target.any()
+
+
+@pytest.mark.parametrize("estimated", [False, True])
+def test_the_unexplored_inside_of_a_boulder_is_no_hint_of_eyes_that_doubt(estimated):
+    cells = OccupancyMap((10.0, 10.0), CAMERA)
+    cells.estimated = estimated
+    cells._hints[10, 4] = cells._hints[10, 14] = 5
+    cells.explored[:, :120] = True
+    cells.explored[95:115, 35:55] = False  # about a metre wide, at x = 2.25
+    assert [round(x, 2) for x, _ in cells.hints()] == ([7.25] if estimated else [2.25, 7.25])

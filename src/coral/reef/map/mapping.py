@@ -43,6 +43,8 @@ HINT_CELL_M = 0.5
 """Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
 HINT_HITS = 5
 """Pictures that must show oysters in such a cell, half a second of looking."""
+HINT_AROUND_M = 1.0
+"""Boulders are smaller."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -374,7 +376,11 @@ class OccupancyMap:
         return 1.0 - float(against.mean()) if len(cells) else 1.0
 
     def hints(self) -> list[tuple[float, float]]:
-        """Return the centres (m) of the oysters that were seen beyond the map's range, where nothing is explored."""
+        """Return the centres (m) of the oysters that were seen beyond the map's range, where nothing is explored.
+
+        Of eyes that doubt, none where most of what is around has been seen: a boulder taken for oysters from afar keeps
+        its inside unexplored for ever.
+        """
         cfg = self.cfg
         mask = self._hints >= HINT_HITS
         if not mask.any():
@@ -385,7 +391,8 @@ class OccupancyMap:
         known = self.explored[np.minimum(centres[:, 0], ny - 1), np.minimum(centres[:, 1], nx - 1)]
         mask[iy[known], ix[known]] = False
         _, _, _, centroids = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-        return [(float((x + 0.5) * HINT_CELL_M), float((y + 0.5) * HINT_CELL_M)) for x, y in centroids[1:]]
+        places = [(float((x + 0.5) * HINT_CELL_M), float((y + 0.5) * HINT_CELL_M)) for x, y in centroids[1:]]
+        return [at for at in places if not self.estimated or self.unexplored_share(*at, HINT_AROUND_M) > 0.5]
 
     def cells(self) -> NDArray[np.uint8]:
         """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
