@@ -1,19 +1,13 @@
-import dataclasses
 import json
 import socket
 
 import cv2
-import numpy as np
 import pytest
-from painted_table import BOX, at, picture
 
 from coral.cli import main
-from coral.commands.contact_poses import draw_poses, parse_receiver
+from coral.commands.contact_poses import parse_receiver
 from coral.contact.franka.object_poses import ObjectPoses
-from coral.contact.perception.tracker import PoseEstimate
 from coral.errors import InputError
-
-GREEN = [60, 230, 60]
 
 
 def test_the_objects_in_pictures_are_tracked_sent_and_drawn(tmp_path, capsys):
@@ -49,27 +43,3 @@ def test_a_receiver_that_is_none_is_one_line(word, monkeypatch):
     monkeypatch.setattr(socket, "gethostbyname", unknown)
     with pytest.raises(InputError, match="--send"):
         parse_receiver(word)
-
-
-def green(canvas):
-    return (canvas == GREEN).all(axis=2)
-
-
-def test_the_outline_lies_on_the_object():
-    frame, (truth,) = picture(at(0.0, 0.0))
-    canvas = draw_poses(frame, {"box": BOX}, {"box": PoseEstimate(at(0.0, 0.0), 1.0)})
-    assert canvas.shape == (720, 960, 3)
-    rows, columns = np.nonzero(green(canvas))
-    inside_rows, inside_columns = np.nonzero(truth)
-    assert abs(rows.min() / 10 - inside_rows.min()) <= 1
-    assert abs(columns.max() / 10 - inside_columns.max()) <= 2
-
-
-def test_a_lost_object_is_not_drawn_and_depth_replaces_colours():
-    frame, _ = picture(at(0.0, 0.0), colours=False)
-    lost = {"box": PoseEstimate(at(0.0, 0.0), 0.0, lost=True)}
-    canvas = draw_poses(frame, {"box": BOX}, lost)
-    assert not green(canvas).any()
-    assert len(np.unique(canvas)) > 10
-    empty = dataclasses.replace(frame, depth=np.zeros_like(frame.depth))
-    assert not draw_poses(empty, {"box": BOX}, lost).any()

@@ -11,8 +11,6 @@ from coral.cli import main
 from coral.commands.franka_robot import (
     ask_for_word,
     go_through,
-    preflight_arm,
-    preflight_text,
     robot_cfg,
     robot_trial,
 )
@@ -26,7 +24,6 @@ from coral.errors import RunError
 ARM = RobotFlags(world="franka", robot="10.0.0.1")
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
 REPORT = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0.01})
-GOOD = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0.01})
 
 
 def test_a_missing_robot_is_one_line_and_exit_code_2(capsys):
@@ -104,33 +101,3 @@ def test_only_the_word_moves_the_arm(said):
     with pytest.raises(RunError, match="did not say 'move'"):
         ask_for_word(lambda: said)
     ask_for_word(lambda: "move\n")
-
-
-def wrong(**changes):
-    checks = preflight_arm(dataclasses.replace(GOOD, **changes), FrankaCfg(), ("box",))
-    return [check.name for check in checks if not check.good]
-
-
-def test_all_is_in_order():
-    assert wrong() == []
-
-
-@pytest.mark.parametrize(
-    ("changes", "name"),
-    [
-        ({"state": None}, "the arm sends its state"),
-        ({"state": arm_state(7.0, joint_speeds=np.full(7, 0.1))}, "the arm is at rest"),
-        ({"state": arm_state(7.0, joints=np.array([0.0, -1.75, 0.0, -2.3, 0.0, 2.2, 0.7]))}, "within all limits"),
-        ({"wrench": np.array([0.0, 0, 31.0, 0, 0, 0])}, "nothing pulls at the hand"),
-        ({"objects": {}, "ages_s": {}}, "box is seen within reach"),
-        ({"ages_s": {"box": 1.0}}, "box is seen within reach"),
-        ({"objects": {"box": dataclasses.replace(BOX, position=np.array([0.6, 0, 0]))}}, "box is seen within reach"),
-    ],
-)
-def test_a_line_that_is_not_in_order_is_named(changes, name):
-    assert wrong(**changes) == [name]
-
-
-def test_the_list_reads_well():
-    lines = preflight_text(preflight_arm(GOOD, FrankaCfg(), ("box",))).splitlines()
-    assert lines[-1] == "ok   box is seen within reach: at +0.100 +0.000 +0.030 m"

@@ -12,25 +12,16 @@ from typing import Annotated, Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.real_scenes.masks.mask_registry import mask_help
-from coral.contact.real_scenes.object_drawing import draw_depth
-from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
 from coral.terminal import tell
-
-_GREEN, _WHITE = (60, 230, 60), (255, 255, 255)
-WIDTH = 960
-"""Columns of the picture, at least."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,10 +52,10 @@ class ContactPoses:
     """No line for each picture."""
 
     def __call__(self) -> Mapping[str, Any]:
-        from coral.commands.contact_poses import draw_poses
         from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
         from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
         from coral.contact.real_scenes.object_tracking import track_objects
+        from coral.contact.real_scenes.pose_picture import draw_poses
         from coral.contact.scene.rigid_transform import matrix_to_body
         from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task
@@ -167,39 +158,3 @@ def _line(time_s: float, found: Mapping[str, Any]) -> str:
         x, y, z = one.T_world_object[:3, 3]
         parts.append(f"{name} lost ({one.reason})" if one.lost else f"{name} at {x:+.3f} {y:+.3f} {z:+.3f} m")
     return f"{time_s:8.2f} s: {'; '.join(parts)}"
-
-
-def draw_poses(
-    frame: RgbdFrame, models: Mapping[str, ObjectModel], estimates: Mapping[str, PoseEstimate]
-) -> NDArray[np.uint8]:
-    """Draw the outline and the name of each object that is not lost. Shape=(H, W, 3), RGB.
-
-    Without colours the depth is drawn, near things brighter.
-    """
-    camera = inverse_transform(frame.T_world_camera)
-    grow = max(1, -(-WIDTH // frame.depth.shape[1]))
-    picture = frame.rgb if frame.rgb is not None else _grey(frame)
-    canvas = cv2.resize(picture, None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
-    for name, estimate in estimates.items():
-        if estimate.lost:
-            continue
-        drawn = np.isfinite(draw_depth(models[name].solids, camera @ estimate.T_world_object, frame))
-        large = cv2.resize(drawn.astype(np.uint8), None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
-        outlines, _ = cv2.findContours(large, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(canvas, outlines, -1, _GREEN, 2)
-        if drawn.any():
-            rows, columns = np.nonzero(large)
-            place = (int(columns.min()), max(14, int(rows.min()) - 8))
-            shadow = (place[0] + 1, place[1] + 1)
-            cv2.putText(canvas, name, shadow, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
-            cv2.putText(canvas, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, _WHITE, 1, cv2.LINE_AA)
-    return np.asarray(canvas, np.uint8)
-
-
-def _grey(frame: RgbdFrame) -> NDArray[np.uint8]:
-    seen = frame.depth > 0
-    if not seen.any():
-        return np.zeros((*frame.depth.shape, 3), np.uint8)
-    near, far = np.percentile(frame.depth[seen], (1, 99))
-    light = np.where(seen, 230 - 180 * ((frame.depth - near) / max(far - near, 1e-6)).clip(0, 1), 0).astype(np.uint8)
-    return np.repeat(light[..., None], 3, axis=2)

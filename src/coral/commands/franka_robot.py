@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from coral.commands.robot_flags import SIMULATED, RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.franka.double import Double, cfg_for_double
+from coral.contact.franka.preflight import preflight_arm, preflight_text
 from coral.contact.franka.ros_arm import PREFIX, RosArm
 from coral.contact.franka.stream_process import MakeArm, StreamProcess
 from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld
@@ -23,25 +24,11 @@ from coral.terminal import tell
 
 if TYPE_CHECKING:
     from coral.contact.franka.camera_process import CameraProcess
-from collections.abc import Sequence
-from dataclasses import dataclass
-
-import numpy as np
-
-from coral.contact.franka.limits import Limits
-from coral.contact.franka.stream import StreamReport
-from coral.contact.scene.observation import BodyState
 
 WORD = "move"
 DRY_RUN_S = 3.0
 """Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
 _SEEN_WITHIN_S = 10.0
-REACH_M = 0.9
-"""An object farther than this from the arm's foot is none that it can handle, or has a wrong pose."""
-BELOW_M = 0.05
-"""Nor is one whose origin is this far below the table's top."""
-RESTING_RAD_S = 0.02
-"""Joints faster than this are in motion."""
 
 
 def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
@@ -167,46 +154,3 @@ def ask_for_word(read: Callable[[], str] = sys.stdin.readline) -> None:
     )
     if read().strip().lower() != WORD:
         raise RunError(f"the arm does not move: the operator did not say {WORD!r}")
-
-
-@dataclass(frozen=True)
-class PreflightCheck:
-    """One line of the list."""
-
-    name: str
-    good: bool
-    found: str
-
-
-def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) -> tuple[PreflightCheck, ...]:
-    """Check what the arm and the poses say while nothing moves."""
-    state = report.state
-    if state is None:
-        return (PreflightCheck("the arm sends its state", False, "none has come"),)
-    fastest = float(np.abs(state.joint_speeds).max())
-    beyond = Limits(cfg).violation(replace(state, joint_speeds=np.zeros(7), twist=np.zeros(6)), np.zeros(6))
-    x, y, z = state.position + np.asarray(cfg.base_m)
-    force = float(np.linalg.norm(report.wrench[:3]))
-    pull = f"{force:.1f} N, taken as bias once the arm is in its start posture"
-    return (
-        PreflightCheck("the arm sends its state", True, f"arm's clock {state.time_s:.2f} s"),
-        PreflightCheck("the arm is at rest", fastest < RESTING_RAD_S, f"fastest joint {fastest:.3f} rad/s"),
-        PreflightCheck("within all limits", not beyond, beyond or f"tool at {x:+.3f} {y:+.3f} {z:+.3f} m"),
-        PreflightCheck("nothing pulls at the hand", force < cfg.limits.push_n, pull),
-        *(_seen(name, report.objects.get(name), report.ages_s.get(name, 0.0), cfg) for name in objects),
-    )
-
-
-def _seen(name: str, pose: BodyState | None, age_s: float, cfg: FrankaCfg) -> PreflightCheck:
-    title = f"{name} is seen within reach"
-    if pose is None or age_s > cfg.poses_timeout_s:
-        late = "never" if pose is None else f"{age_s:.1f} s ago"
-        return PreflightCheck(title, False, f"last pose {late}; poses arrive at UDP port {cfg.poses_port}")
-    x, y, z = pose.position
-    far = float(np.linalg.norm(pose.position - np.asarray(cfg.base_m)))
-    return PreflightCheck(title, far < REACH_M and z > -BELOW_M, f"at {x:+.3f} {y:+.3f} {z:+.3f} m")
-
-
-def preflight_text(checks: Sequence[PreflightCheck]) -> str:
-    """Return the list for people."""
-    return "\n".join(f"{'ok ' if check.good else 'NO '}  {check.name}: {check.found}" for check in checks)
