@@ -329,4 +329,4 @@ def test_how_far_eyes_that_doubt_saw_is_told(fresh):
         events.writelines(
             json.dumps({"step": 9, "t": 0.9, "event": "sight", "reach_m": reach}) + "\n" for reach in (4.8, 2.2, "far")
         )
-    assert "At the end the eyes tell oysters from sea floor up to 2.2 m away." in page(fresh)
+    assert "By the last pictures, the eyes tell oysters from sea floor up to 2.2 m away." in page(fresh)

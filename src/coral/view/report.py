@@ -131,7 +131,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if phantoms := int(metrics.get("phantom_clusters") or 0):
         mapped = "of the clusters that it mapped"
         told.append(f"{phantoms} {mapped} are no oysters." if phantoms > 1 else f"One {mapped} is no oysters.")
-    told += [f"At the end {sight_told(event)}." for event in run.select("sight")[-1:]]
+    told += [f"By the last pictures, {sight_told(event)}." for event in run.select("sight")[-1:]]
     told += [f"Saved map: {place_told(event)}." for event in run.select("place")[-1:]]
     return " ".join(told)
 
