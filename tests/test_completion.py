@@ -33,7 +33,10 @@ def offered(words):
         ("reef run s1 ", []),
         ("reef run s1 --no-pre", ["--no-preflight"]),
         ("reef run s1 --cf", ["--cfg."]),
-        ("reef run s1 --cfg.map.s", ["--cfg.map.sonar.", "--cfg.map.sight."]),
+        (
+            "reef run s1 --cfg.map.s",
+            ["--cfg.map.sharp-pixel-m", "--cfg.map.sharp-ratio", "--cfg.map.sonar.", "--cfg.map.sight."],
+        ),
         ("config r", ["reef"]),
         ("config reef pilot.trigger.stuck_t", ["pilot.trigger.stuck_time_s"]),
     ],

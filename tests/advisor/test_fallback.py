@@ -2,7 +2,7 @@ from pathlib import Path
 
 from coral.advisor.fallback import FOR_BENCHES, failed
 from coral.contact.episode.end_reasons import END_REASONS
-from coral.reef.mission.events import END_REASONS as REEF_END_REASONS
+from reference import texts
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -12,7 +12,7 @@ def test_the_end_reason_names_the_failure():
 
 
 def test_the_end_reason_is_explained():
-    assert failed("no-network").partition(":")[0] in END_REASONS.keys() & REEF_END_REASONS.keys()
+    assert failed("no-network").partition(":")[0] in END_REASONS.keys() & texts.SURVEY_ENDS.keys()
 
 
 def test_in_a_bench_nobody_else_decides():
