@@ -1,6 +1,7 @@
 """Gaussian map of landmarks: kernels against NumPy twins, and what a sighting does to the pose."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from coral.reef.map.landmark_map import (
     PARTIAL_SIGMA_M,
     RADIUS_SIGMA_M,
     RADIUS_SIGMA_RADIUS,
-    RANGE_SIGMA_M,
     RANGE_SIGMA_RADIUS,
     LandmarkMap,
 )
@@ -27,6 +27,7 @@ def whole(bearing, near=2.0, half=0.1):
 
 RIGHT_HALF = Sighting(0.1, None, 2.0, 0.15)
 LEFT_HALF = Sighting(None, 0.4, 1.5, 0.15)
+DOUBTED = replace(whole(0.2), sigma_m=0.4)
 
 
 def surveyed():
@@ -46,7 +47,7 @@ def placed(sighting, pose, radius_m):
     right = sighting.left - 2.0 * half if sighting.right is None else sighting.right
     bearing = right + half if sighting.left is None else 0.5 * (right + sighting.left)
     partial = 0.0 if sighting.whole else PARTIAL_SIGMA_M
-    along = RANGE_SIGMA_M + RANGE_SIGMA_RADIUS * radius_m + partial
+    along = sighting.sigma_m + RANGE_SIGMA_RADIUS * radius_m + partial
     across = ACROSS_SIGMA_M + ACROSS_SIGMA_RADIUS * radius_m + partial
     c, s = math.cos(pose.theta + bearing), math.sin(pose.theta + bearing)
     turn, dx, dy = np.array([[c, -s], [s, c]]), distance * c, distance * s
@@ -64,7 +65,7 @@ def innovation(before, landmark, sighting):
     return here - before.centres[landmark], jacobian, covariance, radius
 
 
-@pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF])
+@pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF, DOUBTED])
 def test_comparison_equals_its_twin(sighting):
     before = surveyed()
     found = before.compare(sighting, ODOMETRY, 10.0)
@@ -87,7 +88,7 @@ def test_landmarks_far_away_are_not_compared():
     assert np.isinf(found.squared).tolist() == np.isneginf(found.log_density).tolist() == [True, False, True]
 
 
-@pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF])
+@pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF, DOUBTED])
 def test_correction_is_the_kalman_update(sighting):
     before = surveyed()
     after = before.corrected(1, sighting, ODOMETRY, 5.0)

@@ -1,10 +1,11 @@
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.map.landmarks import LandmarkCfg, LandmarkDetector, Sighting
+from coral.reef.map.landmarks import DOUBTED_SIGMA_M, RANGE_SIGMA_M, LandmarkCfg, LandmarkDetector, Sighting
 from coral.reef.map.landmarks_kernels import scan
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -78,6 +79,20 @@ def test_noise_of_depth_is_averaged_over_the_post():
     assert len(found) == 1
     bearing, away = 0.5 * (found[0].right + found[0].left), found[0].near_m + found[0].radius_m
     assert (bearing, away) == pytest.approx((0.0, 2.0), abs=0.06)
+
+
+def test_the_distance_of_a_post_is_surer_in_a_picture_without_doubt():
+    frame = Camera(Scene.from_world(world(post(7.0, 5.0))), CAMERA).render(HERE)
+    doubted = dataclasses.replace(frame, doubt=np.zeros_like(frame.depth))
+    for picture, sigma_m in ((frame, RANGE_SIGMA_M), (doubted, DOUBTED_SIGMA_M)):
+        (found,) = LandmarkDetector(CAMERA).detect(picture)
+        assert found.sigma_m == sigma_m
+
+
+def test_a_post_farther_away_than_the_eyes_see_is_not_measured():
+    frame = Camera(Scene.from_world(world(post(7.0, 5.0))), CAMERA).render(HERE)
+    assert LandmarkDetector(CAMERA).detect(frame, 2.5)
+    assert LandmarkDetector(CAMERA).detect(frame, 1.5) == []
 
 
 def test_nothing_stands_in_empty_water():

@@ -103,6 +103,15 @@ def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatc
     assert told == [(one.reading.frame_pose, corrected, False)]
 
 
+def test_landmarks_are_measured_as_far_as_the_eyes_see(robot, monkeypatch):
+    one, told = robot(), []
+    monkeypatch.setattr(one.localizer, "update", lambda *given: told.append(given[-1]) or Pose(3.0, 5.0, 0.0))
+    monkeypatch.setattr(type(one.belief.map), "sees_m", 1.5)
+    one.sense(0.0)
+    one.localize(0.0)
+    assert told == [1.5]
+
+
 def test_a_picture_is_kept_with_the_height_that_was_measured(robot):
     one = robot()
     one.sense(0.0)

@@ -14,20 +14,17 @@ from coral.reef.map.landmark_map_kernels import Outline, compare, correct, start
 from coral.reef.map.landmarks import Sighting
 from coral.reef.world.geometry import Pose, wrap
 
-RANGE_SIGMA_M, RANGE_SIGMA_RADIUS = 0.1, 0.3
-"""Standard deviation of the distance to a body's centre, for a thin post (m), and what is added for each metre of
-radius: the bodies are not round. Along one mission on s1 it was 0.04 m for round bodies and 0.18 m for those 1.6 times
-as long as wide, or longer. The last picture's error counts once: with twice as much, wrong matches seemed likely enough
-to be kept."""
+RANGE_SIGMA_RADIUS = 0.3
+"""What is added to the standard deviation of the distance to a body's centre for each metre of radius: the bodies are
+not round."""
 ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS = 0.05, 0.15
-"""The same across the line of sight."""
+"""Standard deviation across the line of sight, for a thin post (m), and what is added for each metre of radius."""
 PARTIAL_SIGMA_M = 0.2
 """Added for a body of which one outline is hidden."""
 RADIUS_SIGMA_M, RADIUS_SIGMA_RADIUS = 0.1, 0.4
 """Standard deviation of a measured radius (m), and what is added for each metre of radius."""
 SIGMAS = (
-    RANGE_SIGMA_M, RANGE_SIGMA_RADIUS, ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS, PARTIAL_SIGMA_M, RADIUS_SIGMA_M,
-    RADIUS_SIGMA_RADIUS,
+    RANGE_SIGMA_RADIUS, ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS, PARTIAL_SIGMA_M, RADIUS_SIGMA_M, RADIUS_SIGMA_RADIUS,
 )  # fmt: skip
 """As the kernels take them."""
 
@@ -181,4 +178,4 @@ def _floats(pose: Pose) -> tuple[float, float, float]:
 def _outline(sighting: Sighting) -> Outline:
     right = math.nan if sighting.right is None else sighting.right
     left = math.nan if sighting.left is None else sighting.left
-    return right, left, sighting.near_m, sighting.width, sighting.radius_m
+    return right, left, sighting.near_m, sighting.width, sighting.radius_m, sighting.sigma_m

@@ -4,8 +4,8 @@ The state is the error of the odometry (x, y, theta: odometry minus pose), then 
 the world. A sighting at z in the body frame gives the residual r = p + R(theta) z - l of a landmark l. Its derivative
 by (error, landmark) is [[-1, 0, dy, -1, 0], [0, -1, -dx, 0, -1]], where (dx, dy) = R(theta) z.
 
-A sighting is the tuple (right, left, near_m, width, radius_m) of `Sighting`, NaN for an outline that is hidden; sigmas
-are the seven values of `landmark_map.SIGMAS`.
+A sighting is the tuple (right, left, near_m, width, radius_m, sigma_m) of `Sighting`, NaN for an outline that is
+hidden; sigmas are the six values of `landmark_map.SIGMAS`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Outline = tuple[float, float, float, float, float]
-Sigmas = tuple[float, float, float, float, float, float, float]
+Outline = tuple[float, float, float, float, float, float]
+Sigmas = tuple[float, float, float, float, float, float]
 
 
 @njit(cache=True)
@@ -35,16 +35,16 @@ def place(
     Returns:
         dx, dy (m), and the entries xx, xy, yy of the covariance (m²).
     """
-    right, left, near_m, width, _ = outline
+    right, left, near_m, width, _, sigma_m = outline
     distance = near_m + radius_m
     half, partial = math.asin(radius_m / distance), 0.0
     if is_whole(outline):
         bearing = 0.5 * (right + left)
     else:
-        partial, half = sigmas[4], max(half, 0.5 * width)
+        partial, half = sigmas[3], max(half, 0.5 * width)
         bearing = right + half if math.isnan(left) else left - half
-    along = (sigmas[0] + sigmas[1] * radius_m + partial) ** 2
-    across = (sigmas[2] + sigmas[3] * radius_m + partial) ** 2
+    along = (sigma_m + sigmas[0] * radius_m + partial) ** 2
+    across = (sigmas[1] + sigmas[2] * radius_m + partial) ** 2
     c, s = math.cos(heading + bearing), math.sin(heading + bearing)
     xx, xy, yy = c * c * along + s * s * across, c * s * (along - across), s * s * along + c * c * across
     return distance * c, distance * s, xx, xy, yy
@@ -101,7 +101,7 @@ def compare(
         squared[j] = (rx * rx * syy - 2.0 * rx * ry * sxy + ry * ry * sxx) / det
         density[j] = -0.5 * squared[j] - math.log(2.0 * math.pi * math.sqrt(det))
         if whole:
-            spread = sigmas[5] + sigmas[6] * radii[j]
+            spread = sigmas[4] + sigmas[5] * radii[j]
             unlike = (radius - radii[j]) / spread
             squared[j] += unlike * unlike
             density[j] -= 0.5 * unlike * unlike + math.log(spread * math.sqrt(2.0 * math.pi))

@@ -154,7 +154,14 @@ class Localizer:
         """Standard deviations of the pose under the best hypothesis: x (m), y (m), theta (rad)."""
         return self.hypotheses[0].map.sigma
 
-    def update(self, frame: Frame, odometry: Pose, dt: float, covariance: NDArray[np.float64] | None = None) -> Pose:
+    def update(
+        self,
+        frame: Frame,
+        odometry: Pose,
+        dt: float,
+        covariance: NDArray[np.float64] | None = None,
+        sees_m: float = math.inf,
+    ) -> Pose:
         """Correct the odometry.
 
         Args:
@@ -162,6 +169,7 @@ class Localizer:
             odometry: The present pose by odometry alone.
             dt: Time since the last call (s).
             covariance: Of the odometry since the start: x, y (m), theta (rad); None: unknown. Shape=(3, 3).
+            sees_m: Distance up to which what the picture shows is to be trusted (m).
 
         Returns:
             The pose in the map's frame, in which the odometry was exact at the start.
@@ -180,7 +188,7 @@ class Localizer:
         self.mistaken = []
         if self._waited_s >= self.cfg.period_s - 1e-9:
             self._waited_s = 0.0
-            for sighting in self._detector.detect(frame):
+            for sighting in self._detector.detect(frame, sees_m):
                 self._measure(sighting, odometry)
             self._remember()
         return self.locate(odometry)

@@ -82,7 +82,8 @@ class Robot:
         self._unlocated_s += dt
         if reading.frame is not None and reading.frame_pose is not None:
             before, lost = self.localizer.locate(reading.frame_pose), not self.localizer.recognised
-            after = self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
+            since_s, sees_m = self._unlocated_s, self.belief.map.sees_m
+            after = self.localizer.update(reading.frame, reading.frame_pose, since_s, reading.covariance, sees_m)
             for first, end in self.localizer.mistaken:
                 self.belief.look_again(first, end)
             self.belief.correct(before, after, found=lost and self.localizer.recognised > 0)
