@@ -46,6 +46,22 @@ def test_a_picture_of_bare_seabed_explores_what_lies_ahead_and_finds_nothing():
     assert made.tracks == []
 
 
+@pytest.mark.parametrize(("estimated", "seen", "left"), [(True, False, 1), (True, True, 2), (False, False, 2)])
+def test_eyes_that_doubt_find_no_cluster_inside_a_boulder(estimated, seen, left):
+    made = belief()
+    cells = made.map
+    cells.estimated = estimated
+    cells.explored[:, :200] = True
+    for x, y in ((5.0, 10.0), (14.0, 10.0)):  # the second one lies in water that nobody has seen
+        iy, ix = cells.index(x, y)
+        at = slice(iy - 6, iy + 6), slice(ix - 6, ix + 6)
+        cells._targets[at], cells.target[at] = 5, True
+        cells.explored[at] = seen
+    for _ in range(20):
+        made.update(None, made.pose)
+    assert sum(len(track.cells) > 0 for track in made.tracks) == left
+
+
 def test_what_was_seen_from_a_mistaken_place_is_to_be_seen_again():
     made = belief()
     made.update(BARE, Pose(5.0, 10.0, 0.0))

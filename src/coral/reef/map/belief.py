@@ -161,6 +161,9 @@ class Belief:
         cells = self.map
         self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
         self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
+        for track in self.tracks if cells.estimated else ():
+            if len(track.cells) and cells.hides(track.cells):
+                cells.disbelieve(track.cells)
 
     @property
     def inspect_m(self) -> float:

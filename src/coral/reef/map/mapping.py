@@ -43,7 +43,7 @@ HINT_CELL_M = 0.5
 """Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
 HINT_HITS = 5
 """Pictures that must show oysters in such a cell, half a second of looking."""
-HINT_AROUND_M = 1.0
+AROUND_SEEN_M = 1.0
 """Boulders are smaller."""
 
 
@@ -72,8 +72,8 @@ class MapCfg:
     sharp_pixel_m: Positive = 0.05
     """Eyes that doubt: pixels at most this wide are sharp, 2.3 m away with the default camera. Where oysters have been
     looked for from this near, looks from farther away no longer count."""
-    sharp_ratio: NonNegative = 1.0
-    """A cell seen from that near is no target if fewer pictures show oysters than this share of those with seabed.
+    sharp_ratio: NonNegative = 2.0
+    """A cell seen from that near is no target if fewer pictures show oysters than so many times those with seabed.
     On the pictures of seven missions without a sonar 0.5, 1 and 2 leave 7, 4 and 2 false clusters, mostly shadows,
     and no true one is lost (docs/research/network-eyes.md)."""
     obstacle_ratio: NonNegative = 0.3
@@ -323,6 +323,15 @@ class OccupancyMap:
             self._closed |= cells
             self.version += 1
 
+    def hides(self, cells: NDArray[np.intp]) -> bool:
+        """Check whether most of what is around some cells, (iy, ix) of each, has been seen, but not they. Shape=(M, 2).
+
+        Then they lie on an obstacle: a boulder whose side was taken for oysters keeps its inside unexplored for ever.
+        """
+        y, x = (cells.mean(axis=0) + 0.5) * self.cfg.cell_m
+        seen = int(np.count_nonzero(self.explored[cells[:, 0], cells[:, 1]]))
+        return 2 * seen < len(cells) and self.unexplored_share(float(x), float(y), AROUND_SEEN_M) <= 0.5
+
     def disbelieve(self, cells: NDArray[np.intp]) -> None:
         """Take back oysters that eyes which doubt have shown in some cells, (iy, ix) of each. Shape=(M, 2)."""
         if self.estimated:
@@ -392,7 +401,7 @@ class OccupancyMap:
         mask[iy[known], ix[known]] = False
         _, _, _, centroids = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
         places = [(float((x + 0.5) * HINT_CELL_M), float((y + 0.5) * HINT_CELL_M)) for x, y in centroids[1:]]
-        return [at for at in places if not self.estimated or self.unexplored_share(*at, HINT_AROUND_M) > 0.5]
+        return [at for at in places if not self.estimated or self.unexplored_share(*at, AROUND_SEEN_M) > 0.5]
 
     def cells(self) -> NDArray[np.uint8]:
         """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
