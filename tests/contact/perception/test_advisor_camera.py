@@ -1,3 +1,5 @@
+import dataclasses
+
 import cv2
 import numpy as np
 import pytest
@@ -6,6 +8,7 @@ from episodes import ObedientWorld, make_trial
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.shapes import TableMark
 from coral.contact.worlds.hand_world import HandWorld
 
 SIZE = AdvisorCameraCfg(width=80, height=60)
@@ -26,6 +29,17 @@ def test_a_picture_has_its_size_and_colours_and_shows_the_objects(world):
     frame = camera(world)()
     assert frame.rgb.shape == (60, 80, 3)
     assert frame.mask("box").any()
+
+
+def test_a_mark_on_the_table_is_in_the_picture():
+    plain, mark = make_trial(), TableMark(place="mat", size=(0.2, 0.2), color=(0.0, 1.0, 0.0))
+    task = plain.task.model_copy(update={"places": {"mat": (0.1, 0.1, 0.02)}, "marks": (mark,)})
+    trial = dataclasses.replace(plain, task=task)
+    marked = HandWorld(trial)
+    marked.reset()
+    frame = make_advisor_camera(marked, trial, TrackedCfg(), SIZE, np.random.default_rng(0))()
+    red, green, blue = frame.rgb.astype(int).transpose(2, 0, 1)
+    assert ((green > 100) & (red < 50) & (blue < 50)).sum() > 5
 
 
 def test_each_picture_shows_the_world_as_it_stands(world):

@@ -26,6 +26,7 @@ def covered_geoms(model: mujoco.MjModel, apart: Iterable[str] = ()) -> list[int]
 
 def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
     """List the geoms that pictures for people leave out: collision shapes over visual ones, and the room."""
-    ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
+    task = trial.task
+    ours = {"table", *(fixture.name for fixture in task.fixtures), *(f"mark/{mark.place}" for mark in task.marks)}
     room = [int(k) for k in np.flatnonzero(model.geom_bodyid == 0) if model.geom(int(k)).name not in ours]
     return [*room, *covered_geoms(model, trial.objects)]
