@@ -1,4 +1,5 @@
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -141,6 +142,15 @@ def test_green_without_a_dot_can_be_chosen_as_a_waypoint():
     assert planner.locate(asked, answer) == Goal(x=13.0, y=13.0)
 
 
+@pytest.mark.parametrize(("cells", "code"), [(8, None), (4, "finished")])
+def test_green_without_a_dot_can_be_chosen_where_all_is_explored(cells, code):
+    belief = belief_with([(16.0, 10.0)])
+    belief.map.target[96 : 96 + cells, 96 : 96 + cells] = True
+    planner = planner_for(belief)
+    refusal = planner.verify(ask(planner), dot(None, waypoint=WaypointStep(forward_m=-5, left_m=-5)))
+    assert (refusal and refusal.code) == code
+
+
 def test_a_lone_dot_far_behind_is_not_the_only_answer():
     belief = belief_with([(2.0, 10.0)])
     see(belief, 0, share=0.92)
@@ -201,12 +211,21 @@ def test_who_was_left_alone_asks_when_there_is_a_dot():
     [
         dot(0, end_survey=True),
         dot(0, waypoint=WaypointStep(forward_m=3, left_m=0)),
-        dot(0, expect=Expectation(what="a twin reef", forward_m=30.0, left_m=0.0, sure=0.9)),
+        dot(0, expect=Expectation(what="a twin reef", forward_m=30.0, left_m=0.0, sure=0.9)),  # off the map
+        dot(0, expect=Expectation(what="a twin reef", forward_m=-9.0, left_m=0.0, sure=0.9)),  # behind
     ],
 )
 def test_an_answer_that_contradicts_itself_is_refused(answer):
     planner = planner_for(belief_with([(14.0, 10.0)]))
     assert planner.verify(ask(planner), answer).code == "contradiction"
+
+
+def test_a_step_towards_what_is_expected_far_away_contradicts_nothing():
+    belief = belief_with([(3.0, 10.0)], Pose(5.0, 10.0, 0.0), half_known())
+    see(belief, 0)
+    planner = planner_for(belief)
+    guess = Expectation(what="the line of clusters goes on", forward_m=14.0, left_m=0.0, sure=0.9)
+    assert planner.verify(ask(planner), step(5, 0, expect=guess)) is None
 
 
 def finished_west():
@@ -322,7 +341,7 @@ def test_nothing_is_asked_while_everything_will_be_done():
 PLACES = st.lists(st.tuples(st.integers(2, 18), st.integers(2, 18)), min_size=1, max_size=6, unique=True)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(PLACES, st.integers(8, 20), st.floats(-3.1, 3.1), st.integers(0, 63), st.booleans())
 def test_a_place_that_a_question_names_is_accepted(places, known_m, theta, seen, wall):
     belief = belief_with([(float(x), float(y)) for x, y in places], Pose(7.0, 10.0, theta), half_known(known_m))
@@ -345,7 +364,9 @@ def test_a_place_that_a_question_names_is_accepted(places, known_m, theta, seen,
     for forward, left in named["waypoints"]:
         assert planner.verify(asked, step(forward, left)) is None
         assert planner.verify(asked, dot(None, waypoint=WaypointStep(forward_m=forward, left_m=left))) is None
-    assert not any(str(track.index) in refusal.reason.split() for track in belief.tracks if track.visited)
+    told = re.search(r"left: ([\d, ]+)", refusal.reason)
+    for label in told[1].split(", ") if told else ():
+        assert planner.verify(asked, dot(int(label))) is None
 
 
 def test_goals_named_after_the_first_are_left_out_where_they_cannot_be_reached():

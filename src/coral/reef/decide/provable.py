@@ -17,6 +17,9 @@ from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
+from coral.reef.map.belief import Belief
+from coral.reef.map.changes import around
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.water import Reach
 from coral.reef.world.geometry import to_world
 
@@ -24,6 +27,8 @@ SEE_M = 3.0
 """A waypoint shows what lies within this of it."""
 EXPLORED_SHARE = 0.03
 """Water of which no more than this share is unexplored shows nothing new."""
+GREEN_M2 = 0.1
+"""Nor do fewer oysters without a dot: single cells come and go with the noise of pictures."""
 END_SHARE = 0.9
 """A cluster of which less than this has been seen must not be left behind at the end."""
 END_REEF_M = 1.5
@@ -31,7 +36,7 @@ END_REEF_M = 1.5
 TOLERANCE_M = 0.3
 """A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
 GUESS_M = 8.0
-"""A guess lies within this of a goal that is chosen for it: the camera's range and 2 m."""
+"""A goal that is chosen for a guess lies within this of it (the camera's range and 2 m), or on the way to it."""
 
 
 def contradiction(asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None) -> str:
@@ -42,9 +47,12 @@ def contradiction(asked: AskedState, answer: CentroidChoice | WaypointChoice, go
     if isinstance(answer, CentroidChoice) and dot is not None and answer.waypoint is not None:
         return "It names a dot and a waypoint as well. Name one of both, and null for the other."
     if goal is not None and answer.expect is not None:
-        x, y = expected_at(asked, answer.expect, goal)
-        if math.dist((x, y), (goal.x, goal.y)) > GUESS_M:
-            return f"What it expects lies more than {GUESS_M:g} m from its goal, from where it would not be seen."
+        place = expected_at(asked, answer.expect, goal)
+        if not asked.outlook.belief.map.contains(*place):
+            return "What it expects lies outside the survey area."
+        away = math.dist(place, (goal.x, goal.y))
+        if away > max(GUESS_M, math.dist(place, asked.outlook.arrival.pose[:2])):
+            return "Its goal leads away from what it expects, which would not be seen from there."
     return ""
 
 
@@ -80,12 +88,28 @@ def leads_nowhere(
     """Tell at which points (m), Shape=(N,), all about is known and done, and nothing that is left is nearer."""
     if not len(remaining.places) or not len(xs):
         return np.zeros(len(xs), bool)
-    cells = outlook.belief.map
+    cells, green = outlook.belief.map, _green(outlook.belief)
     at = zip(xs.tolist(), ys.tolist(), strict=True)
-    shows = np.array([cells.unexplored_share(x, y, SEE_M) > EXPLORED_SHARE for x, y in at])
+    shows = np.array(
+        [cells.unexplored_share(x, y, SEE_M) > EXPLORED_SHARE or _lies_near(green, cells, x, y) for x, y in at]
+    )
     for track in outlook.unvisited():
         shows |= np.hypot(xs - track.x, ys - track.y) <= SEE_M
     return np.asarray(~shows & ~remaining.nearer(xs, ys, outlook.arrival.pose[:2], TOLERANCE_M))
+
+
+def _green(belief: Belief) -> NDArray[np.bool_]:
+    """Return the oyster cells that belong to no dot and have not been seen from near. Shape=(NY, NX)."""
+    cells = belief.map
+    green: NDArray[np.bool_] = cells.target & (cells.nearest > belief.inspect_m) & ~cells.unseeable
+    for track in belief.tracks:
+        green[track.cells[:, 0], track.cells[:, 1]] = False
+    return green
+
+
+def _lies_near(green: NDArray[np.bool_], cells: OccupancyMap, x: float, y: float) -> bool:
+    y0, y1, x0, x1 = around(x, y, SEE_M, cells.cfg.cell_m, green.shape)
+    return bool(np.count_nonzero(green[y0:y1, x0:x1]) * cells.cfg.cell_m**2 >= GREEN_M2)
 
 
 def too_early_to_end(asked: AskedState) -> Rejection | None:

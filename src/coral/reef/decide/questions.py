@@ -69,13 +69,15 @@ def goal_of_dot(asked: AskedState, index: int | None, now: Belief) -> Goal | Rej
     A cluster that has got another label since (it merged, or the map shows what was seen from afar) is found by its
     place.
     """
-    meant = asked.outlook.belief.track(index)
+    outlook = asked.outlook
+    meant = outlook.belief.track(index)
     if meant is None:
-        labels = ", ".join(map(str, sorted(t.index for t in asked.outlook.belief.tracks)))
+        what = "The answer names no dot." if index is None else f"There is no dot {index} on the map."
+        left = sorted(track.index for track in outlook.belief.tracks if not outlook.done(track))
         return Rejection(
             code="no-such-centroid",
             details={"index": index},
-            reason=f"There is no dot {index} on the map. The labels on the map are: {labels or 'none'}.",
+            reason=f"{what} Dots that are left: {', '.join(map(str, left)) or 'none'}.",
         )
     reach_m = now.cfg.chain.far_merge_m if meant.far else now.cfg.chain.merge_distance_m
     track = now.track(meant.index) or nearest_track(now.tracks, meant.x, meant.y, reach_m)
