@@ -242,8 +242,8 @@ def test_there_is_one_template_per_kind():
 @pytest.mark.parametrize("kind", ["reef-centroid", "reef-waypoint"])
 def test_doubtful_dots_are_named_only_if_there_are_any(kind):
     dots = [{"index": 4, "doubtful": True}, {"index": 5}, {"index": 7, "doubtful": True}]
-    assert "Doubtful: 4, 7." in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots})[0]
-    assert "Doubtful" not in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots[1:2]})[0]
+    assert "doubtful (4, 7)" in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots})[0]
+    assert "doubtful" not in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots[1:2]})[0]
 
 
 def test_a_question_tells_what_a_reader_could_not_know():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.survey import SurveyCfg, survey
+from coral.reef.decide.survey import SurveyCfg, idle_water, survey
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Component
 from coral.reef.map.costfield import CostFieldCfg
@@ -89,3 +89,14 @@ def test_ways_lead_around_walls_and_nowhere_through():
     closed = left(belief)
     assert math.isinf(closed.path_m(14.0, 10.0))
     assert np.isinf(closed.field.lengths(np.array([8.0, 14.0]), np.array([10.0, 10.0]))).tolist() == [False, True]
+
+
+def test_small_pieces_of_unexplored_water_and_the_rim_are_idle():
+    belief = known_west_of(20.0)
+    belief.map.explored[100:110, 100:110] = False  # half a metre wide
+    belief.map.explored[200:300, 300:] = False
+    idle = idle_water(belief.map, SurveyCfg())
+    assert idle[105, 105]
+    assert not idle[250, 350]
+    assert idle[250, 395]  # the outermost half metre
+    assert not idle[50, 50]  # explored

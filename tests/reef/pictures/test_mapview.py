@@ -3,7 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.pictures.mapview import CELL_COLORS, MapScene, MapViewCfg, draw_map, png
+from coral.reef.pictures.mapframe import PALE
+from coral.reef.pictures.mapview import CELL_COLORS, HATCH, MapScene, MapViewCfg, draw_map, png
 from coral.reef.world.geometry import Pose
 
 WHOLE = (0.0, 0.0, 20.0, 20.0)
@@ -169,21 +170,49 @@ def test_a_dot_that_is_done_is_hollow_also_where_it_is_known_from_afar():
     assert middles[1] != [255, 255, 255]
 
 
+def test_a_doubtful_dot_is_pale_and_has_a_mark_of_its_own():
+    def middle(doubtful):
+        scene = MapScene(cells=grid(), cell_m=0.05, centroids=np.array([[10.0, 10.0]]), seen=[0.5], doubtful=[doubtful])
+        return draw_map(scene, MapViewCfg(window=WHOLE))
+
+    plain, doubted = middle(False), middle(True)
+    assert pixel(plain, 10.0, 10.0) == ORANGE
+    assert pixel(doubted, 10.0, 10.0) == PALE
+    label = slice(300, 345), slice(380, 460)
+    assert (plain.rgb[label] != doubted.rgb[label]).any()
+
+
+def test_water_that_is_not_worth_a_visit_is_hatched_and_other_white_is_not():
+    idle = np.zeros((400, 400), bool)
+    idle[100:140, 100:140] = True
+    scene = MapScene(cells=grid(), cell_m=0.05, idle=idle)
+    view = draw_map(scene, MapViewCfg(window=(-2.0, -2.0, 20.0, 20.0), legend=False))
+
+    def hatched(x0, y0, x1, y1):
+        (left, low), (right, high) = view.to_pixels(np.array([(x0, y0), (x1, y1)])).astype(int)
+        return has(view.rgb[high:low, left:right], HATCH)
+
+    assert hatched(5.0, 5.0, 7.0, 7.0)
+    assert hatched(-2.0, 8.0, 0.0, 12.0)  # beyond the map
+    assert not hatched(8.0, 8.0, 14.0, 14.0)
+
+
+@pytest.mark.parametrize("size", [20.0, 60.0])
 @pytest.mark.parametrize(
-    ("x", "y", "theta"), [(19.5, 10.0, 0.0), (0.5, 0.5, 3.9), (10.0, 19.7, 1.57), (6.0, 0.4, -1.57)]
+    ("x", "y", "theta"), [(0.975, 0.5, 0.0), (0.025, 0.025, 3.9), (0.5, 0.985, 1.57), (0.3, 0.02, -1.57)]
 )
-def test_arrows_and_the_end_of_the_area_are_in_the_picture(x, y, theta):
-    cells = np.ones((200, 200), np.uint8)
+def test_arrows_and_the_end_of_the_area_are_in_the_picture(x, y, theta, size):
+    cells, x, y = np.ones((round(10 * size), round(10 * size)), np.uint8), x * size, y * size
     scene = MapScene(
-        cells=cells, cell_m=0.1, pose=Pose(10.0, 10.0, 0.0), arrival=Pose(x, y, theta), border=(0.0, 0.0, 20.0, 20.0)
+        cells=cells, cell_m=0.1, pose=Pose(10.0, 10.0, 0.0), arrival=Pose(x, y, theta), border=(0.0, 0.0, size, size)
     )
     view = draw_map(scene, MapViewCfg(legend=False))
     height, width = view.rgb.shape[:2]
     along = np.array([math.cos(theta), math.sin(theta)])
-    for arrow in (56 * along, 46 * np.array([-along[1], along[0]])):
+    for arrow in (72 * along, 62 * np.array([-along[1], along[0]])):  # with their names
         column, row = view.to_pixels(np.array([x, y])) + arrow * (1, -1)
         assert 40 <= column <= width - 12  # inside the axes
         assert 22 <= row <= height - 30
     x0, y0, x1, y1 = view.window
     assert min(x0, y0) < 0.0
-    assert max(x1, y1) > 20.0
+    assert max(x1, y1) > size

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from coral.reef.decide.guesses import GuessRecord
 from coral.reef.decide.route import Arrival, here
 from coral.reef.map.belief import Belief
@@ -34,6 +37,8 @@ class Outlook:
     """How long the answer is expected to take (s)."""
     guesses: GuessRecord = field(default_factory=GuessRecord)
     """How the advisor's guesses have come out."""
+    idle: NDArray[np.bool_] | None = None
+    """Unexplored cells that are not worth a visit, Shape=(NY, NX); None: not told apart, as in the paper."""
     advice: Mapping[str, Any] | None = None
     """What the robot's own tour says of the last choice."""
 

@@ -14,6 +14,7 @@ from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.route import Arrival
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.world.geometry import bearing
 
 
@@ -101,13 +102,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
     solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
     if arrival.in_s > 0.0:
         _explore_ahead(explored, arrival, cell_m, replace(cfg, look_m=min(cfg.look_m, cells.sees_m)))
-    edge = math.ceil(cfg.border_m / cell_m)
-    unknown = (~explored & ~solid).astype(np.uint8)
-    unknown[:edge], unknown[-edge:], unknown[:, :edge], unknown[:, -edge:] = 0, 0, 0, 0
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown, connectivity=4)
-    for region in range(1, count):
-        if stats[region, cv2.CC_STAT_AREA] * cell_m**2 < cfg.min_region_m2:
-            unknown[labels == region] = 0
+    unknown = _worth_a_visit(~explored & ~solid, cfg)
     touching = cv2.dilate(unknown, np.ones((3, 3), np.uint8)).astype(bool)
     ys, xs = np.nonzero(touching & explored & ~solid)
     px, py = np.asarray((xs + 0.5) * cell_m), np.asarray((ys + 0.5) * cell_m)
@@ -142,6 +137,30 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
             )
         )
     return sorted(found, key=lambda f: f.path_m)
+
+
+def idle_water(cells: OccupancyMap, cfg: SurveyCfg) -> NDArray[np.bool_]:
+    """Return the unexplored cells that are not worth a visit: pieces too small, and the rim. Shape=(NY, NX)."""
+    k = max(1, round(cfg.cell_m / cells.cfg.cell_m))
+    explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
+    worth = np.repeat(
+        np.repeat(_worth_a_visit(~explored & ~_coarse(cells.obstacle, k).any(axis=(1, 3)), cfg), k, 0), k, 1
+    )
+    ny, nx = cells.explored.shape
+    idle: NDArray[np.bool_] = ~cells.explored
+    idle[: worth.shape[0], : worth.shape[1]] &= worth[:ny, :nx] == 0
+    return idle
+
+
+def _worth_a_visit(unknown: NDArray[np.bool_], cfg: SurveyCfg) -> NDArray[np.uint8]:
+    """Return unknown water without small pieces and without the rim, on the coarse grid. Shape=(NY, NX)."""
+    worth, edge = unknown.astype(np.uint8), math.ceil(cfg.border_m / cfg.cell_m)
+    worth[:edge], worth[-edge:], worth[:, :edge], worth[:, -edge:] = 0, 0, 0, 0
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(worth, connectivity=4)
+    for region in range(1, count):
+        if stats[region, cv2.CC_STAT_AREA] * cfg.cell_m**2 < cfg.min_region_m2:
+            worth[labels == region] = 0
+    return worth
 
 
 def _explore_ahead(explored: NDArray[np.bool_], arrival: Arrival, cell_m: float, cfg: SurveyCfg) -> None:

@@ -34,7 +34,7 @@ from coral.reef.decide.questions import (
 )
 from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, Place, what_remains
 from coral.reef.decide.route import Goal, Route, here, passed
-from coral.reef.decide.survey import survey
+from coral.reef.decide.survey import idle_water, survey
 from coral.reef.decide.topology import TOLD_S, RemainingTour, plan_tour
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
@@ -119,7 +119,7 @@ class TourPlanner:
                     closed.add(track.index)
                     continue
             dots.append(Place(x=track.x, y=track.y, index=track.index, worth=DOT_WORTH + area))
-        outlook = replace(outlook, closed=frozenset(closed))
+        outlook = replace(outlook, closed=frozenset(closed), idle=idle_water(belief.map, cfg.survey))
         left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
         left = left if cfg.explore else replace(left, frontiers=())
         remaining = what_remains(outlook, left, dots, self.fields)

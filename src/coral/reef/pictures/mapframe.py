@@ -18,6 +18,8 @@ CELL_COLORS: NDArray[np.uint8] = np.array([(255, 255, 255), (190, 193, 197), (0,
 ORANGE: RGB = (255, 133, 0)
 FAR: RGB = (150, 210, 70)
 """Of a dot that stands for oysters seen from afar only."""
+PALE: RGB = (255, 208, 160)
+"""Of a dot where most pictures show seabed."""
 BORDER: RGB = (120, 90, 60)
 BLUE: RGB = (25, 90, 230)
 RED: RGB = (220, 20, 40)

@@ -20,6 +20,7 @@ from coral.reef.pictures.mapframe import (
     MAGENTA,
     MARK,
     ORANGE,
+    PALE,
     RED,
     YELLOW,
     YELLOW_EDGE,
@@ -40,8 +41,9 @@ MIN_SIDE_M = 10.0
 """Minimum side of what is shown, so that the first pictures of a mission keep a sense of scale."""
 LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX = 40, 12, 22, 30
 """Of the axes."""
-ARROWS_M = 1.5
-"""Length of the arrows +X and +Y with their names, on a map of 15 m; on larger ones they hide more of it."""
+ARROWS_M, ARROWS_PX = 1.5, 84
+"""Least length of the arrows +X and +Y with their names; on a large map their pixels are more."""
+HATCH_PX, HATCH = 9, (178, 182, 188)
 _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
 
 
@@ -67,6 +69,10 @@ class MapScene:
     """Label of each centroid; None labels them 0, 1, 2, ..."""
     visited: Sequence[bool] | None = None
     """Whether the robot has been at each centroid; None means none has been visited."""
+    doubtful: Sequence[bool] = ()
+    """Whether most pictures show seabed at each centroid; empty: at none."""
+    idle: NDArray[np.bool_] | None = None
+    """Unexplored cells that are not worth a visit, hatched like all beyond the border, Shape=(H, W); None: unknown."""
     clusters: bool = True
     """Whether the robot extracts clusters at all; without them the legend does not name them."""
     links: Sequence[tuple[int, int]] | None = None
@@ -103,11 +109,12 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     magenta cross-hair is the present goal.
     """
     cfg = cfg or MapViewCfg()
-    window = _window(scene, cfg)
-    x0, y0, x1, y1 = window
     left, right, top, bottom = LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX
-    legend_px = 54 if cfg.legend else 0
-    scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
+    legend_px, arrows_m = 54 if cfg.legend else 0, ARROWS_M
+    for _ in range(3):  # more room for arrows makes the scale smaller
+        window = x0, y0, x1, y1 = _window(scene, cfg, arrows_m)
+        scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
+        arrows_m = max(arrows_m, ARROWS_PX / scale - MARGIN_M)
     inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
     # The legend needs its width even if the map is a narrow upright strip.
     width = max(inner_w + left + right, LEGEND_PX if cfg.legend else 0)
@@ -115,6 +122,8 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
     inner = rgb[top : top + inner_h, left : left + inner_w]
     inner[:] = _ground(scene, window, inner_w, inner_h)
+    if scene.idle is not None and scene.floor is None:
+        _hatch(inner, scene.idle, _cells_of(scene, window))
     # Overlays are clipped to the map by drawing into its slice.
     inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
     draw_scale_bar(inside)
@@ -126,7 +135,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     return view
 
 
-def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, float]:
+def _window(scene: MapScene, cfg: MapViewCfg, arrows_m: float) -> tuple[float, float, float, float]:
     if cfg.window is not None:
         return cfg.window
     height, width = scene.cells.shape
@@ -135,7 +144,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     xs = [scene.cell_m * c for c in (columns[:1].tolist() + [i + 1 for i in columns[-1:].tolist()])]
     ys = [scene.cell_m * r for r in (rows[:1].tolist() + [i + 1 for i in rows[-1:].tolist()])]
     extra = [scene.trajectory, scene.centroids]
-    extra += [_with_arrows(pose) for pose in (scene.pose, scene.arrival) if pose is not None]
+    extra += [_with_arrows(pose, arrows_m) for pose in (scene.pose, scene.arrival) if pose is not None]
     extra += [np.array([scene.goal])] if scene.goal is not None else []
     points = np.concatenate([np.asarray(part, np.float64).reshape(-1, 2) for part in extra])
     if len(points):
@@ -144,7 +153,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     if not xs:
         return whole
     # Where the border is drawn, the picture goes on beyond it: arrows fit in, and the end of the area is seen as such.
-    beyond = MARGIN_M + ARROWS_M if scene.border is not None else 0.0
+    beyond = MARGIN_M + arrows_m if scene.border is not None else 0.0
     low, high = (whole[0] - beyond, whole[1] - beyond), (whole[2] + beyond, whole[3] + beyond)
     x0, x1 = _span(min(xs) - MARGIN_M, max(xs) + MARGIN_M, MIN_SIDE_M, low[0], high[0])
     y0, y1 = _span(min(ys) - MARGIN_M, max(ys) + MARGIN_M, MIN_SIDE_M, low[1], high[1])
@@ -161,9 +170,9 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     )
 
 
-def _with_arrows(pose: Pose) -> NDArray[np.float64]:
+def _with_arrows(pose: Pose, arrows_m: float) -> NDArray[np.float64]:
     """Return a pose and about where its arrows end, with their names. Shape=(3, 2), metres."""
-    c, s = ARROWS_M * math.cos(pose.theta), ARROWS_M * math.sin(pose.theta)
+    c, s = arrows_m * math.cos(pose.theta), arrows_m * math.sin(pose.theta)
     return np.array([(pose.x, pose.y), (pose.x + c, pose.y + s), (pose.x - s, pose.y + c)])
 
 
@@ -175,9 +184,24 @@ def _span(low: float, high: float, least: float, floor: float, ceiling: float) -
     return max(low, floor), min(high + max(0.0, floor - low), ceiling)
 
 
+def _cells_of(scene: MapScene, window: Box) -> tuple[int, int, int, int]:
+    """Return the rows and columns (first, end, first, end) of the cells in a window."""
+    c0, r0, c1, r1 = (round(edge / scene.cell_m) for edge in window)
+    return r0, r1, c0, c1
+
+
+def _hatch(rgb: Image, idle: NDArray[np.bool_], box: tuple[int, int, int, int]) -> None:
+    """Hatch idle cells, and all that lies beyond the map, in place."""
+    height, width = rgb.shape[:2]
+    cut = _cut(idle.astype(np.uint8), box, 1)[::-1]
+    mask = cv2.resize(cut, (width, height), interpolation=cv2.INTER_NEAREST) > 0
+    rows, columns = np.ogrid[:height, :width]
+    rgb[mask & ((rows + columns) % HATCH_PX < 2)] = HATCH
+
+
 def _ground(scene: MapScene, window: tuple[float, float, float, float], width: int, height: int) -> Image:
     """Colour the cells of the window, north up, Shape=(height, width, 3)."""
-    c0, r0, c1, r1 = (round(edge / scene.cell_m) for edge in window)
+    r0, r1, c0, c1 = _cells_of(scene, window)
     if scene.floor is not None:
         k = scene.floor.shape[0] // scene.cells.shape[0]
         floor = _cut(scene.floor, (k * r0, k * r1, k * c0, k * c1), 255)
@@ -229,14 +253,17 @@ def _draw_overlays(view: MapPicture, scene: MapScene) -> None:
             robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta)])
             draw_dot(rgb, there, 8.0, RED)
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
-    for dot, done, share in zip(dots, visited, shares, strict=True):
-        draw_dot(rgb, dot, 6.5 if scene.floor is None else 2.5, FAR if share is None else ORANGE)
+    doubtful = scene.doubtful or [False] * len(dots)
+    for dot, done, share, doubt in zip(dots, visited, shares, doubtful, strict=True):
+        draw_dot(rgb, dot, 6.5 if scene.floor is None else 2.5, FAR if share is None else PALE if doubt else ORANGE)
         if done and scene.floor is None:
             draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if len(dots):
         names = [
-            _name(index, share, shown=scene.seen is not None and not done)
-            for index, share, done in zip(scene.indices or range(len(dots)), shares, visited, strict=True)
+            _name(index, share, shown=scene.seen is not None and not done) + ("!" if doubt else "")
+            for index, share, done, doubt in zip(
+                scene.indices or range(len(dots)), shares, visited, doubtful, strict=True
+            )
         ]
         _draw_labels(rgb, dots, names, robot)
     for x, y, words in scene.marks:

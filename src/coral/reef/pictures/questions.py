@@ -35,6 +35,8 @@ def map_scene(outlook: Outlook) -> MapScene:
         indices=[t.index for t in chain],
         visited=[outlook.done(t) for t in chain],
         clusters=belief.cfg.centroids,
+        idle=outlook.idle,
+        doubtful=[t.doubtful for t in chain],
         goal=belief.goal,
     )
 
