@@ -56,6 +56,11 @@ def _met(condition: str, row: Row) -> float | None:
     return 100.0 * sum(found) / len(found) if found else None
 
 
+def _late(row: Row) -> float | None:
+    late, calls = row.get("late_calls"), row.get("advisor_calls")
+    return None if late is None or not calls else 100.0 * late / calls
+
+
 COVERAGE = column_measure("coverage", "coverage (%)", "coverage", 100.0)
 COVERAGE_TIME = column_measure("coverage_time", "coverage time (s)", "coverage_time_s", digits=0)
 COLLISIONS = column_measure("collisions", "collisions", "collisions", digits=2)
@@ -83,6 +88,7 @@ INSPECTION = (
     column_measure("all_covered", "to the paper’s coverage (s)", "all_covered_s", digits=0),
     column_measure("idle", "standing still (%)", "idle_fraction", 100.0),
     Measure("refused", "answers refused (%)", _refused),
+    Measure("late", "calls after everything was inspected (%)", _late),
     column_measure("path_deviations", "deviations of the path", "path_deviations"),
     column_measure("phantoms", "phantom clusters", "phantom_clusters"),
     column_measure("position_error", "position error (m)", "position_error_m", digits=2),

@@ -90,8 +90,15 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         "odometry_error_m": 1.1,
         "corrected_m": 1.0,
         "all_covered_s": 0.2,
+        "late_calls": None,
     }
     assert set(found) == set(DEFINITIONS)
+
+
+def test_questions_after_everything_was_inspected_are_counted(tmp_path):
+    write(tmp_path, [(0, 0.0, 0.2, 0.0, 0.0), (1, 0.1, 1.0, 1.0, 0.0)])
+    events = [{"event": "question", "t": t} for t in (0.0, 0.1, 0.2, 0.3)]
+    assert outcome_metrics(tmp_path, events, [])["late_calls"] == 2
 
 
 def test_a_run_cut_off_in_a_line_or_without_a_judge_is_told_as_far_as_it_goes(tmp_path):

@@ -47,14 +47,15 @@ DEFINITIONS = {
     "corrected_m": "Distance between the position that the robot believed at the end and that of its odometry (m).",
     "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where `--cfg.stop-when-covered` "
     "would end a mission; null where it never came to that.",
+    "late_calls": "Questions put to the advisor after everything was inspected (time_to_100_s); null if it never was.",
 }
 """Definitions of the metrics, for the report."""
 
 
-def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Sequence[Row]) -> dict[str, Any]:
+def outcome_metrics(folder: Path, events: Sequence[Mapping[str, Any]], rows: Sequence[Row]) -> dict[str, Any]:
     """Compute the judge's metrics. Those whose input was not recorded are None."""
     t, imaged, inspected, reef_m = _judged(folder / SurveyFiles.JUDGE)
-    judged: Mapping[str, Any] = next((e for e in reversed(list(events)) if e["event"] == "judged"), {})
+    judged: Mapping[str, Any] = next((e for e in reversed(events) if e["event"] == "judged"), {})
     times = {f"time_to_{100 * s:.0f}_s": time_to(t, inspected, s) for s in SHARES}
     best = judged.get("oracle_time_to_90_s")
     soon = times["time_to_90_s"]
@@ -73,6 +74,7 @@ def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Seq
         "odometry_error_m": _position_error(rows, "odo"),
         "corrected_m": _corrected(rows),
         "all_covered_s": _all_covered_s(events),
+        "late_calls": _asked_after(times["time_to_100_s"], events),
     }
 
 
@@ -155,6 +157,10 @@ def _all_covered_s(events: Iterable[Mapping[str, Any]]) -> float | None:
             if covered == total:
                 return round(float(event["t"]), 3)
     return None
+
+
+def _asked_after(t: float | None, events: Iterable[Mapping[str, Any]]) -> int | None:
+    return None if t is None else sum(event["event"] == "question" and float(event["t"]) > t for event in events)
 
 
 def _judged(path: Path) -> tuple[NDArray[np.float64], ...]:
