@@ -260,11 +260,11 @@ TIMING = {
 PRODUCTS = {
     "recording": "Name of the run or recording.",
     "keyframes": "Number of its pictures.",
-    "oyster_area_m2 oyster_area_low_m2 oyster_area_high_m2": "Area of oysters, with its interval.",
+    "oyster_area_m2 oyster_area_low_m2 oyster_area_high_m2": "Area of oysters, null if not judged; its interval.",
     "not_judged pictures_unlike": "Why nothing is judged, if so, and the number of pictures unlike those learned from.",
     "seen_m2": "Sea floor seen near enough.",
     "outlines outlines_low outlines_high": "Oysters that can be told apart from above, with the interval.",
-    "oysters oysters_low oysters_high": "Number of oysters; null where too few lie apart.",
+    "oysters oysters_low oysters_high": "Number of oysters; null where too few lie apart, or not judged.",
     "oysters_per_m2 oysters_per_m2_low oysters_per_m2_high": "The same per sea floor seen.",
     "shell_length_mm shell_length_mm_low shell_length_mm_high": "Mean length of a shell.",
     "oyster_cells clusters": "Cells of the map with oysters, and clusters.",

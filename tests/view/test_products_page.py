@@ -12,6 +12,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 from survey_runs import write_run
 
 from coral.reef.products.cover import CoverCfg
+from coral.reef.products.judgement import Judgement
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.run_recording import read_run
@@ -71,6 +72,12 @@ def test_the_page_says_that_a_network_found_the_oysters(products, tmp_path):
     page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
     assert "shells covered where it cast such votes on 15 generated reefs" in page
     assert "is <b>not</b> in the interval" not in page
+
+
+def test_the_page_of_what_was_not_judged_has_no_cover(products, tmp_path):
+    unlike = replace(products, judgement=Judgement(10, 9))
+    page = write_products_page(unlike, EarthPlacement(products.recording.start), tmp_path, [], CoverCfg()).read_text()
+    assert "<dt>cover where seen</dt><dd>not judged" in page
 
 
 def test_colours_lie_between_the_stops():

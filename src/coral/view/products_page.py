@@ -50,7 +50,7 @@ class TruthComparison:
     whole_m2: float
     """True area on the whole reef."""
     error: float | None
-    """Estimate over truth, minus 1; None where no oyster was in sight."""
+    """Estimate over truth, minus 1; None where no oyster was in sight, or nothing was judged."""
     inside: bool
     """Whether the truth lies in the interval."""
     oysters: int
@@ -65,7 +65,7 @@ class TruthComparison:
         return cls(
             m2=true.m2,
             whole_m2=true.whole_m2,
-            error=area.m2 / true.m2 - 1.0 if true.m2 else None,
+            error=area.m2 / true.m2 - 1.0 if true.m2 and products.judgement.judged else None,
             inside=area.low_m2 <= true.m2 <= area.high_m2,
             oysters=true.oysters,
             oysters_error=count.value / true.oysters - 1.0 if count is not None and true.oysters else None,

@@ -64,7 +64,7 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
     return {
         "recording": products.recording.name,
         "keyframes": products.keyframes,
-        "oyster_area_m2": round(products.area.m2, 3),
+        "oyster_area_m2": round(products.area.m2, 3) if products.judgement.judged else None,
         "oyster_area_low_m2": round(products.area.low_m2, 3),
         "oyster_area_high_m2": round(products.area.high_m2, 3),
         "not_judged": products.judgement.warning(),

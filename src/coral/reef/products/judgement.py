@@ -1,22 +1,64 @@
-"""What a network's doubt leaves possible of an area of oysters: pictures that nobody should judge, pixels it doubts."""
+"""What pictures leave possible of an area of oysters, where they are doubtful, not to be judged, or too few."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import is_judged
-from coral.reef.products.cover import Area, CoverCfg, collect_votes, make_cover, sum_votes
+from coral.reef.products.cover import (
+    Area,
+    Cover,
+    CoverCfg,
+    Votes,
+    collect_votes,
+    fine_of,
+    make_cover,
+    oyster_probability,
+    sum_votes,
+    vote,
+)
 from coral.reef.products.seen_points import find_points, grid_shape
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
-from coral.reef.world.geometry import Label
 
 SURE = 0.05
 """Doubt up to which an oyster counts for the lower end of an interval."""
 ENOUGH = 0.5
 """Share of pictures that must be like those that the network was trained on."""
+FEW = 2
+"""A place has too few pictures if they are fewer than so many times those that must show oysters there: one that shows
+none can then be what keeps it from counting."""
+
+
+@dataclass(frozen=True)
+class PossibleCover:
+    """What may be in every fine cell. Shape=(FY, FX) each."""
+
+    cell_m2: float
+    """Area of a fine cell (m²)."""
+    possible: NDArray[np.float32]
+    """Share of oysters, however doubtful."""
+    left_out: NDArray[np.bool_]
+    """Cells that do not count, seen in too few pictures for oysters to count there."""
+    unjudged: NDArray[np.bool_]
+    """Ground that only pictures show which nobody should judge."""
+    sure: NDArray[np.float32] | None
+    """Share of oysters without much doubt; None where the errors of the network are known, or it has none."""
+
+    def widen(self, area: Area, region: NDArray[np.bool_]) -> Area:
+        """Return the area of a region of fine cells, Shape=(FY, FX), with what may be there in its interval."""
+        high = max(area.high_m2, area.m2 + self._sum(self.possible, region & self.left_out))
+        low = area.low_m2
+        if self.sure is not None:
+            low = min(low, self._sum(self.sure, region))
+            high = max(high, self._sum(self.possible, region))
+        return Area(area.m2, low, high + self._sum(self.unjudged, region))
+
+    def _sum(self, share: NDArray[np.float32] | NDArray[np.bool_], region: NDArray[np.bool_]) -> float:
+        return float(share[region].sum(dtype=np.float64)) * self.cell_m2
 
 
 @dataclass(frozen=True)
@@ -26,23 +68,11 @@ class Judgement:
     pictures: int
     unlike: int
     """Pictures unlike all that the network was trained on: they are no evidence of oysters or of sea floor."""
-    unjudged_m2: float = 0.0
-    """Ground that only such pictures show (m²): any part of it may be oysters."""
-    sure_m2: float | None = None
-    possible_m2: float | None = None
-    """Area of oysters without much doubt, and with any; None where the errors of the network are known, or it has
-    none."""
 
     @property
     def judged(self) -> bool:
         """Whether the survey may be judged."""
         return self.unlike <= (1.0 - ENOUGH) * self.pictures
-
-    def widen(self, area: Area) -> Area:
-        """Return an area whose interval contains what doubt leaves possible; none at all if it was not judged."""
-        low = area.low_m2 if self.sure_m2 is None else min(area.low_m2, self.sure_m2)
-        high = area.high_m2 if self.possible_m2 is None else max(area.high_m2, self.possible_m2)
-        return Area(area.m2, low if self.judged else 0.0, high + self.unjudged_m2)
 
     def warning(self) -> str:
         """Return what leads every headline where the survey was not judged, else nothing."""
@@ -51,31 +81,46 @@ class Judgement:
         return f"Not judged: {self.unlike} of {self.pictures} pictures are unlike all that the network was trained on"
 
 
-def judge(recording: Recording, cfg: CoverCfg, *, calibrated: bool) -> Judgement:
-    """Judge the pictures of a located recording; `calibrated`: the network's errors are in the interval already."""
+def judge(
+    recording: Recording, cfg: CoverCfg, whole: Cover, counted: NDArray[np.bool_]
+) -> tuple[Judgement, PossibleCover]:
+    """Judge the pictures of a located recording, and find what they leave possible.
+
+    `whole` is its cover by `measure_cover`, of which the fine cells `counted`, Shape=(FY, FX), make the area.
+    """
     wide = replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)))
-    shape = grid_shape(recording, cfg.fine_m)
-    known, unknown = np.zeros(shape[0] * shape[1], np.bool_), np.zeros(shape[0] * shape[1], np.bool_)
+    shape, cell_m = grid_shape(recording, cfg.fine_m), recording.map.cell_m
+    known, unknown = np.zeros(shape, np.bool_), np.zeros(shape, np.bool_)
+    votes = Votes(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32))
+    looks = np.zeros(grid_shape(recording, cell_m), np.uint16)
+    iy, ix = (
+        np.minimum(((np.arange(fine) + 0.5) * cfg.fine_m / cell_m).astype(np.intp), cells - 1)
+        for fine, cells in zip(shape, looks.shape, strict=True)
+    )
     pictures = unlike = 0
     network = recording.seen_by not in (RECORDED, EXACT)
     for keyframe in recording.keyframes():
-        pictures += 1
-        if not network:
-            continue
-        judged = is_judged(keyframe.frame)
-        unlike += not judged
+        judged = not network or is_judged(keyframe.frame)
+        pictures, unlike = pictures + 1, unlike + (not judged)
         points = find_points(keyframe, wide, cfg.fine_m, shape, cfg.range_m)
-        ground = (points.frame.labels == Label.OYSTER) | (points.frame.labels == Label.SEABED)
-        (known if judged else unknown)[points.cell[ground & (points.cell >= 0)]] = True
-    unit = cfg.fine_m**2
-    only = float(np.count_nonzero(unknown & ~known)) * unit
-    if not network or calibrated:
-        return Judgement(pictures, unlike, only)
-    sure, possible = (_area(recording, cfg, limit) for limit in (SURE, 1.0 - 1e-6))
-    return Judgement(pictures, unlike, only, sure, possible)
+        likely = oyster_probability(points.frame, soft=False)
+        at = np.unravel_index(np.unique(points.cell[~np.isnan(likely) & (points.cell >= 0)]), shape)
+        (known if judged else unknown)[at] = True
+        if judged:
+            vote(points.cell, points.frame.depth, likely, votes)
+            seen = np.zeros(looks.shape, np.bool_)
+            seen[iy[at[0]], ix[at[1]]] = True
+            looks += seen
+    return Judgement(pictures, unlike), PossibleCover(
+        cell_m2=cfg.fine_m**2,
+        possible=make_cover(votes, cfg).filled,
+        left_out=~counted & fine_of(looks < FEW * recording.map.target_hits, cell_m, whole),
+        unjudged=unknown & ~known,
+        sure=_sure(recording, cfg) if network and whole.calibration is None else None,
+    )
 
 
-def _area(recording: Recording, cfg: CoverCfg, limit: float) -> float:
-    doubt = replace(recording.map.doubt, oyster=limit)
+def _sure(recording: Recording, cfg: CoverCfg) -> NDArray[np.float32]:
+    doubt = replace(recording.map.doubt, oyster=SURE)
     votes = collect_votes(replace(recording, map=replace(recording.map, doubt=doubt)), cfg, soft=False)
-    return float(make_cover(sum_votes(votes), cfg).filled.sum(dtype=np.float64)) * cfg.fine_m**2
+    return make_cover(sum_votes(votes), cfg).filled

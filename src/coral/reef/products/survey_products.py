@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,19 +91,24 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
     in_cells = mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2)
     if cover.calibration is not None:
         cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
-    judgement = judge(recording, cfg.cover, calibrated=cover.calibration is not None)
+    judgement, possible = judge(recording, cfg.cover, cover, counted)
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
     looks = count_looks(recording)
     area = area_within(cover, without, counted)
+    wide = possible.widen(area, np.ones_like(counted))
+    shells = count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error)
     return SurveyProducts(
         recording=recording,
         keyframes=len(track),
         cells=cells,
-        area=judgement.widen(area),
+        area=wide if judgement.judged else replace(wide, low_m2=0.0),
         judgement=judgement,
-        shells=count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error),
-        calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
-        clusters=tuple(measure_clusters(cells, group, looks, cover, without, cfg.clusters)),
+        shells=shells if judgement.judged else ShellCount(shells.singles),
+        calibrated_reefs=0 if cover.calibration is None or not judgement.judged else cover.calibration.reefs,
+        clusters=tuple(
+            replace(one, area=possible.widen(one.area, fine_of(group == one.number, cell_m, cover)))
+            for one in measure_clusters(cells, group, looks, cover, without, cfg.clusters)
+        ),
         cover=in_cells,
         density=mean_in_cells(
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, grid_shape(recording, cfg.density_cell_m), 0.2
