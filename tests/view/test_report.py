@@ -340,3 +340,10 @@ def test_how_far_eyes_that_doubt_saw_is_told(fresh):
             json.dumps({"step": 9, "t": 0.9, "event": "sight", "reach_m": reach}) + "\n" for reach in (4.8, 2.2, "far")
         )
     assert "By the last pictures, the eyes tell oysters from sea floor up to 2.2 m away." in page(fresh)
+
+
+def test_a_survey_whose_eyes_judged_nothing_leads_with_it(fresh):
+    with open(fresh / "events.jsonl", "a") as events:
+        events.write(json.dumps({"step": 9, "t": 0.9, "event": "sight", "reach_m": 0.0}) + "\n")
+    text = page(fresh)
+    assert text.index("Not judged. By the last pictures, the eyes judge nothing here") < text.index("The robot covered")

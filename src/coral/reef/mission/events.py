@@ -9,6 +9,8 @@ from typing import Any
 
 def sight_told(event: Mapping[str, Any]) -> str:
     """Return what the event `sight` says, in words."""
+    if unjudged(event):
+        return "the eyes judge nothing here: what they see is unlike all that they have learned, or too murky"
     return f"the eyes tell oysters from sea floor up to {event['reach_m']:.1f} m away"
 
 
@@ -16,6 +18,11 @@ def guesses_told(events: Sequence[Mapping[str, Any]]) -> str:
     """Return what the events `guess` say of an advisor's guesses, in words; "" without any."""
     right = sum(bool(event["hit"]) for event in events)
     return f"of {len(events)} guesses of its advisor that the robot looked at, {right} proved right" if events else ""
+
+
+def unjudged(event: Mapping[str, Any]) -> bool:
+    """Whether by an event `sight` no oyster would be told from sea floor, however near."""
+    return round(float(event["reach_m"]), 1) <= 0.0
 
 
 def place_told(event: Mapping[str, Any]) -> str:
