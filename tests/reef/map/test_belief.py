@@ -62,6 +62,22 @@ def test_eyes_that_doubt_find_no_cluster_inside_a_boulder(estimated, seen, left)
     assert sum(len(track.cells) > 0 for track in made.tracks) == left
 
 
+@pytest.mark.parametrize(("estimated", "left"), [(True, 0), (False, 1)])
+def test_eyes_that_doubt_keep_no_cluster_that_was_given_up_unseen(estimated, left):
+    made = belief()
+    cells = made.map
+    cells.estimated = estimated
+    at = slice(194, 206), slice(94, 106)
+    cells._targets[at], cells.target[at], cells.explored[:] = 5, True, True
+    for k in range(20):
+        if k == 10:
+            for _ in range(made.cfg.max_attempts):
+                made.goal = made.tracks[0].x, made.tracks[0].y
+                made.goal_failed()
+        made.update(None, made.pose)
+    assert sum(len(track.cells) > 0 for track in made.tracks) == left
+
+
 def test_what_was_seen_from_a_mistaken_place_is_to_be_seen_again():
     made = belief()
     made.update(BARE, Pose(5.0, 10.0, 0.0))

@@ -162,8 +162,13 @@ class Belief:
         self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
         self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
         for track in self.tracks if cells.estimated else ():
-            if len(track.cells) and cells.hides(track.cells):
+            if len(track.cells) and (cells.hides(track.cells) or self._unconfirmed(track)):
                 cells.disbelieve(track.cells)
+
+    def _unconfirmed(self, track: Track) -> bool:
+        """Check whether next to nothing was seen from near of a cluster for which nothing more will be done."""
+        over = track.visited or self.failures(track.x, track.y) >= self.cfg.max_attempts
+        return over and track.inspected < self.cfg.inspect.confirmed
 
     @property
     def inspect_m(self) -> float:
@@ -185,8 +190,6 @@ class Belief:
             if track.index == index and not track.far:
                 at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
                 self.map.unseeable[at[:, 1], at[:, 0]] = True
-                if track.inspected < self.cfg.inspect.confirmed:
-                    self.map.disbelieve(track.cells)
         self._inspect()
 
     def track(self, index: int | None) -> Track | None:
