@@ -9,12 +9,12 @@ from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors, with_lens
 from coral.errors import InputError
+from coral.lens import Lens
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.checklist import CheckLine
-from coral.reef.sea.lens import Lens
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.safety import SafetyCfg

@@ -13,7 +13,7 @@ from coral.config import Signed, checked
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument, Option
-from coral.reef.sea.lens import DistortionModel
+from coral.lens import DistortionModel
 from coral.words import many
 
 MOST_PICTURES = 60

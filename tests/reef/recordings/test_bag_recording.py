@@ -119,6 +119,40 @@ def test_a_distorted_camera_is_rectified_unless_the_pictures_are(bags, tmp_path)
     assert read_bag(path, topics).camera == straight.camera
 
 
+def fisheye(name):
+    def change(message):
+        message.distortion_model, message.d = name, np.array([0.01, 0.0, 0.0, 0.0])
+
+    return change
+
+
+def binned(message):
+    """Twice as many pixels on the sensor, and a border of 4 of them."""
+    message.k = np.array(message.k)
+    message.k[[0, 4]] *= 2.0
+    message.k[[2, 5]] = 2.0 * (message.k[[2, 5]] + 0.5) - 0.5 + 4.0
+    message.roi.x_offset, message.roi.y_offset = 4, 4
+    message.roi.width, message.roi.height = 2 * message.width, 2 * message.height
+    message.width, message.height = message.roi.width + 8, message.roi.height + 8
+    message.binning_x = message.binning_y = 2
+
+
+@pytest.mark.parametrize(("told", "same"), [(fisheye("fisheye"), fisheye("equidistant")), (binned, lambda _: None)])
+def test_a_recorded_camera_is_that_of_a_live_one(bags, tmp_path, told, same):
+    def stating(change):
+        def changed(topic, t, message):
+            if topic == "/camera/camera_info":
+                change(message)
+            return message
+
+        return changed
+
+    paths = [copy_bag(bags / "patch_bag", tmp_path / str(k), stating(one)) for k, one in enumerate((told, same))]
+    found, expected = (read_bag(path, BagTopics()) for path in paths)
+    assert found.camera == expected.camera
+    assert next(iter(found.keyframes())).frame.labels.shape == (found.camera.height, found.camera.width)
+
+
 def test_pictures_far_from_all_poses_are_left_out_and_counted(bags, tmp_path):
     def silent(topic, t, message):
         return None if topic == "/odometry" and 5.2 < t < 8.2 else message

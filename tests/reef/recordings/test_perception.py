@@ -3,10 +3,10 @@
 import numpy as np
 from given_eyes import FlatEyes
 
+from coral.lens import Lens
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.recordings.perception import PicturePerception
-from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 

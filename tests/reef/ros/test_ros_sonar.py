@@ -7,7 +7,7 @@ from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.ros import heard_tree, ros_sonar
-from reef.ros.fake_ros import FakeNode, fake_type, message, mounted
+from reef.ros.fake_ros import FakeNode, fake_type, info, message, mounted
 
 LEVEL = SonarCfg(pitch_down_deg=0.0)
 AHEAD = (LEVEL.height // 2, LEVEL.width // 2)
@@ -87,7 +87,9 @@ def test_a_depth_picture_is_turned_into_ranges():
     node.heard["/ranges"](picture)
     with pytest.raises(UnfitMeasurement, match="camera_info"):
         heard.read()
-    node.heard["/camera_info"](message(k=[8.0, 0.0, 4.0, 0.0, 8.0, 2.0, 0.0, 0.0, 1.0], width=8))
+    node.heard["/camera_info"](
+        info(k=[16.0, 0.0, 8.5, 0.0, 16.0, 4.5, 0.0, 0.0, 1.0], width=16, binning_x=2, binning_y=2)
+    )
     # REP-103: z of an optical frame is forward, x is right.
     node.heard["/tf_static"](mounted("base_link", "optical", turn=(-0.5, 0.5, -0.5, 0.5)))
     node.heard["/ranges"](picture)

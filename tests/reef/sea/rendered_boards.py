@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from coral.calibration_board import SeenBoard
-from coral.reef.sea.lens import Lens
+from coral.lens import Lens
 
 PLAIN = Lens(
     width=640, height=480, fx=410.0, fy=412.0, cx=325.0, cy=236.0, distortion=(-0.21, 0.06, 0.001, -0.0008, 0.0)

@@ -25,11 +25,11 @@ from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.pose_track import NEAR_S, ONE_CLOCK, ClockBackError
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
-from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.ros.bag_reader import Bag, stamp_of
+from coral.ros.camera_lens import lens_of
 from coral.ros.camera_pictures import colours_in, values_in
 
 UPRIGHT = 0.5
@@ -304,7 +304,9 @@ def _collect(bag: Bag, topics: BagTopics) -> _Contents:
                 _take_odometry(contents.track, message)
             elif topic == topics.camera_info:
                 contents.camera_frame = frame_name(message.header.frame_id)
-                contents.camera = contents.camera or _camera(message, f"{where}: {topic}", topics.image)
+                contents.camera = contents.camera or RecordedCamera.of(
+                    lens_of(message, topics.image), CameraCfg(), f"{where}: {topic}"
+                )
             elif topic == topics.seen_by:
                 said = str(message.data)  # a file of whoever wrote the bag is a name, not a path on this machine
                 contents.seen_by = said if said in (EXACT, RGB) else f"{PurePath(said).name[:60]}, recorded"
@@ -348,25 +350,6 @@ def _transform(at: Any, turned: Any) -> NDArray[np.float64]:
     if not np.isfinite(transform).all():
         raise ValueError("a pose that is not finite")
     return transform
-
-
-def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
-    """Return the camera of a CameraInfo: K and D for pictures as taken, P for those that image_proc has rectified."""
-    rectified = "rect" in image_topic.replace("/", "_").split("_")
-    old = hasattr(message, "K")  # ROS 1 writes the matrices with capitals
-    k, d, p = (message.K, message.D, message.P) if old else (message.k, message.d, message.p)
-    k = p if rectified and float(p[0]) > 0.0 else k
-    lens = Lens(
-        width=int(message.width),
-        height=int(message.height),
-        fx=float(k[0]),
-        fy=float(k[5] if len(k) == 12 else k[4]),
-        cx=float(k[2]),
-        cy=float(k[6] if len(k) == 12 else k[5]),
-        model="plumb_bob" if rectified else message.distortion_model or "plumb_bob",
-        distortion=() if rectified else tuple(float(one) for one in d),
-    )
-    return RecordedCamera.of(lens, CameraCfg(), where)
 
 
 def _known(contents: _Contents) -> str:

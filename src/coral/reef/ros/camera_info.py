@@ -13,51 +13,21 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.ros.heard_tree import HeardTree
-from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.video_camera import WIDEST_PX
 from coral.reef.vehicle.camera import CameraCfg
+from coral.ros.camera_lens import lens_of
 from coral.ros.ros_node import RosNode, beside, ros_type
 
 FIRST_S, ALONE_S, LOOK_S = 10.0, 2.0, 0.2
 """Longest wait for a CameraInfo; for one whose topic nobody publishes, beside pictures; and between two looks."""
 LEVEL_DEG = 5.0
 """A camera that looks farther aside, or is rolled by more, is none that the map reckons with."""
-NAMES = {"": "plumb_bob", "fisheye": "equidistant"}
-"""Models by other names than those of sensor_msgs/distortion_models.hpp."""
 
 
 def info_topic(topic: str) -> str:
     """Return the topic of the CameraInfo that belongs to pictures."""
     return beside(topic.removesuffix("/compressed"), "camera_info")
-
-
-def lens_of(message: Any, topic: str) -> Lens | None:
-    """Return the lens of a CameraInfo for pictures of this topic; None if the camera is not calibrated.
-
-    K and D are of pictures as taken, P of those that image_proc has rectified. A binned picture, or one of a part of
-    the sensor, has its own size and principal point.
-    """
-    rectified = "rect" in topic.replace("/", "_").split("_")
-    fx, fy, cx, cy = (float(message.k[k]) for k in (0, 4, 2, 5))
-    if rectified and float(message.p[0]) > 0.0:
-        fx, fy, cx, cy = (float(message.p[k]) for k in (0, 5, 2, 6))
-    part = message.roi
-    width, height = int(part.width) or int(message.width), int(part.height) or int(message.height)
-    if fx == 0.0 or width <= 0 or height <= 0:
-        return None
-    across, down = max(int(message.binning_x), 1), max(int(message.binning_y), 1)
-    model: Any = message.distortion_model
-    return Lens(
-        width=width // across,
-        height=height // down,
-        fx=fx / across,
-        fy=fy / down,
-        cx=(cx - int(part.x_offset) + 0.5) / across - 0.5,
-        cy=(cy - int(part.y_offset) + 0.5) / down - 0.5,
-        model="plumb_bob" if rectified else NAMES.get(model, model),
-        distortion=() if rectified else tuple(float(each) for each in message.d),
-    )
 
 
 def camera_of(message: Any, topic: str, mount: CameraCfg) -> RecordedCamera | None:
@@ -67,7 +37,8 @@ def camera_of(message: Any, topic: str, mount: CameraCfg) -> RecordedCamera | No
         InputError: Its lens cannot be used.
     """
     lens = lens_of(message, topic)
-    return None if lens is None else RecordedCamera.of(lens, mount, info_topic(topic), WIDEST_PX)
+    uncalibrated = lens.fx == 0.0 or min(lens.width, lens.height) <= 0
+    return None if uncalibrated else RecordedCamera.of(lens, mount, info_topic(topic), WIDEST_PX)
 
 
 def tilted(mount: CameraCfg, turn: NDArray[np.float64], frame: str) -> CameraCfg:

@@ -16,12 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.lens import Lens
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.ros.heard_tree import BODY, HeardTree
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.latest_reading import HeardImage
+from coral.ros.camera_lens import lens_of
 from coral.ros.camera_pictures import values_in
 from coral.ros.ros_node import RosNode, beside, ros_type
 
@@ -43,7 +45,7 @@ class RosSonar:
 
     def __init__(self, topic: str, sonar: SonarCfg, place: str = "", node: RosNode | None = None) -> None:
         self._topic, self._sonar = topic, sonar
-        self._k = (0.0, 0.0, 0.0, 0.0)
+        self._lens: Lens | None = None
         self._widest = np.zeros(2)
         self._turned = sonar_attitude(0.0, 0.0, 0.0, sonar.pitch_down_deg)
         self._ros = ros = node or RosNode("coral_sonar", place, "--sonar")
@@ -117,15 +119,15 @@ class RosSonar:
 
     def _depths(self, message: Any) -> NDArray[np.float64]:
         """Return the points of a depth picture in its optical frame: 32FC1 in m, 16UC1 in mm (REP-118)."""
-        fx, fy, cx, cy = self._k
-        if min(fx, fy) <= 0.0:
+        lens = self._lens
+        if lens is None or min(lens.fx, lens.fy) <= 0.0:
             raise UnfitMeasurement("no camera_info", f"beside {self._topic}")
         depths = values_in(message, self._topic, "depth")
         step = max(1, depths.shape[1] // (2 * self._sonar.width))
         z = depths[::step, ::step].astype(np.float64) * (1e-3 if depths.dtype.kind == "u" else 1.0)
         v, u = np.mgrid[: z.shape[0], : z.shape[1]] * float(step)
-        points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], axis=-1)
+        points = np.stack([(u - lens.cx) / lens.fx * z, (v - lens.cy) / lens.fy * z, z], axis=-1)
         return points[np.isfinite(z) & (z > 0.0)]
 
     def _hear_lens(self, message: Any) -> None:
-        self._k = (float(message.k[0]), float(message.k[4]), float(message.k[2]), float(message.k[5]))
+        self._lens = lens_of(message, self._topic)

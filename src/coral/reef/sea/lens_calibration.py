@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from coral.calibration_board import SeenBoard
 from coral.errors import InputError
-from coral.reef.sea.lens import DistortionModel, Lens, check_lens, rectified_size
+from coral.lens import DistortionModel, Lens, check_lens
+from coral.reef.sea.lens import rectified_size
 
 Array = NDArray[np.float64]
 

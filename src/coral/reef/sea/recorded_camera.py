@@ -13,8 +13,9 @@ from pydantic import Field
 
 from coral.config import Positive, Signed, merge
 from coral.errors import InputError
+from coral.lens import DistortionModel, Lens, check_lens
 from coral.reef.sea.calibration_file import read_calibration
-from coral.reef.sea.lens import LARGEST_WIDTH, DistortionModel, Lens, Rectifier, check_lens, rectified_size
+from coral.reef.sea.lens import LARGEST_WIDTH, Rectifier, rectified_size
 from coral.reef.vehicle.camera import CameraCfg
 
 Pixels = Annotated[int, Field(ge=1, le=65_536)]

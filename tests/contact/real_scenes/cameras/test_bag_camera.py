@@ -133,10 +133,11 @@ def test_packed_depth_of_32_bits_is_inverse(tmp_path):
     assert found[20, 20] == pytest.approx(0.5, abs=0.01)
 
 
-def test_a_fisheye_is_straightened_as_one(tmp_path):
+@pytest.mark.parametrize("model", ["equidistant", "fisheye"])
+def test_a_fisheye_is_straightened_as_one(tmp_path, model):
     depth = np.zeros((48, 64), np.float32)
     depth[:, 40:] = 0.5  # an edge 8.5 px right of the middle, which a lens with r = f theta puts further out
-    bent = camera_info(1.0, fx=20.0, model="equidistant", d=(0.0,) * 4)
+    bent = camera_info(1.0, fx=20.0, model=model, d=(0.0,) * 4)
     messages = [(INFO, 1.0, bent), (DEPTH, 1.0, image(1.0, depth, "32FC1"))]
     camera = BagRgbdCamera(str(write(tmp_path / "bag", messages)))
     camera.start()
@@ -145,13 +146,29 @@ def test_a_fisheye_is_straightened_as_one(tmp_path):
     assert edge == pytest.approx(31.5 + 20.0 * math.tan(8.0 / 20.0), abs=1.0)
 
 
-@pytest.mark.parametrize(("model", "d"), [("thin_prism", (0.1,) * 4), ("plumb_bob", (0.1,) * 3)])
-def test_another_distortion_is_refused(tmp_path, model, d):
+def test_a_binned_picture_has_its_own_lens(tmp_path):
+    told = camera_info(1.0, fx=120.0)
+    told.width, told.height, told.binning_x, told.binning_y = 128, 96, 2, 2
+    told.k = np.array([120.0, 0, 63.5, 0, 120.0, 47.5, 0, 0, 1.0])
+    messages = [(INFO, 1.0, told), (DEPTH, 1.0, image(1.0, np.ones((48, 64), np.float32), "32FC1"))]
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", messages)))
+    camera.start()
+    assert camera.newest().lens.tolist() == [60.0, 60.0, 31.5, 23.5]
+
+
+@pytest.mark.parametrize(
+    ("model", "d", "told"),
+    [
+        ("thin_prism", (0.1,) * 4, "model: found 'thin_prism', expected one of plumb_bob"),
+        ("plumb_bob", (0.1,) * 3, r"distortion: found .*, expected 0 or 4 or 5 finite numbers for plumb_bob"),
+    ],
+)
+def test_another_distortion_is_refused(tmp_path, model, d, told):
     messages = [
         (INFO, 1.0, camera_info(1.0, model=model, d=d)),
         (DEPTH, 1.0, image(1.0, np.ones((48, 64), np.float32), "32FC1")),
     ]
-    with pytest.raises(InputError, match=f"distortion_model: found '{model}' with {len(d)} coefficients"):
+    with pytest.raises(InputError, match=f"{INFO}: {told}"):
         BagRgbdCamera(str(write(tmp_path / "bag", messages))).start()
 
 

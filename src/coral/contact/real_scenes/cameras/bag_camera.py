@@ -14,7 +14,9 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
 from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
+from coral.lens import check_lens
 from coral.ros.bag_reader import Bag, stamp_of
+from coral.ros.camera_lens import lens_of
 from coral.ros.camera_pictures import colours_in, values_in
 from coral.terminal import tell
 
@@ -23,9 +25,6 @@ INFO = "sensor_msgs/msg/CameraInfo"
 ROLES = ("depth", "color", "info")
 TOGETHER_S = 0.05
 """Colours that are older than this when depth arrives belong to another picture."""
-MODELS = {"plumb_bob": (4, 5), "rational_polynomial": (8, 12, 14), "equidistant": (0, 4)}
-"""Numbers of coefficients by distortion model (sensor_msgs/distortion_models.hpp)."""
-_MODELS_TOLD = "plumb_bob (4 or 5), rational_polynomial (8) or equidistant (4)"
 
 
 class BagRgbdCamera:
@@ -100,16 +99,9 @@ class BagRgbdCamera:
             yield self._pair(*waiting, colours, removal)
 
     def _read_lens(self, message: Any) -> Undistortion:
-        k, d = np.asarray(message.k, float), np.asarray(message.d, float)
-        if not (np.isfinite(k).all() and k[0] > 0 and k[4] > 0):
-            raise InputError(str(self.path), f"{self.topics['info']}: k", k.tolist(), "a camera matrix")
-        lens, model = k[[0, 4, 2, 5]], str(message.distortion_model)
-        bent = bool(np.any(d)) or model == "equidistant"
-        if not np.isfinite(d).all() or (bent and d.size not in MODELS.get(model, ())):
-            found = f"{model!r} with {d.size} coefficients"
-            raise InputError(str(self.path), f"{self.topics['info']}: distortion_model", found, _MODELS_TOLD)
-        size = int(message.height), int(message.width)
-        return Undistortion(lens, d if d.size else np.zeros(4), size, fisheye=model == "equidistant")
+        found = check_lens(lens_of(message, self.topics["depth"]), f"{self.path}: {self.topics['info']}")
+        lens, bent = np.array([found.fx, found.fy, found.cx, found.cy]), np.array(found.distortion or (0.0,) * 4)
+        return Undistortion(lens, bent, (found.height, found.width), fisheye=found.model == "equidistant")
 
     def _pair(
         self,
