@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from coral.check_line import CheckLine
 from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors, with_lens
@@ -14,7 +15,6 @@ from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
-from coral.reef.sea.checklist import CheckLine
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.safety import SafetyCfg

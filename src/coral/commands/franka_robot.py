@@ -9,10 +9,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from coral.check_line import blocking, list_text
 from coral.commands.robot_flags import SIMULATED, RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.franka.double import Double, cfg_for_double
-from coral.contact.franka.preflight import preflight_arm, preflight_text
+from coral.contact.franka.preflight import MARKS, preflight_arm
 from coral.contact.franka.ros_arm import PREFIX, RosArm
 from coral.contact.franka.stream_process import MakeArm, StreamProcess
 from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld
@@ -129,14 +130,14 @@ def go_through(
     waited = 0.0
     while True:
         checks = preflight_arm(stream.report(), arm, names)
-        wrong = [check for check in checks if not check.good]
+        wrong = blocking(checks)
         if not wrong or waited >= _SEEN_WITHIN_S:
             break
         sleep(0.05)
         waited += 0.05
-    tell(preflight_text(checks))
+    tell(list_text(checks, MARKS))
     if wrong:
-        raise RunError(f"the arm does not move: {wrong[0].name}: {wrong[0].found}")
+        raise RunError(f"the arm does not move: {wrong[0].subject}: {wrong[0].text}")
 
 
 def ask_for_word(read: Callable[[], str] = sys.stdin.readline) -> None:

@@ -14,6 +14,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person
+from coral.check_line import blocking
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
@@ -33,7 +34,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import reef_advisor, with_camera_latency, with_deadline, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.sea.checklist import Equipment, blocking
+from coral.reef.sea.checklist import Equipment
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import prefer_process
 from coral.reef.sea.safety import SafetyCfg

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
+from coral.check_line import CheckLine, blocking
 from coral.errors import InputError
 from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
@@ -25,7 +26,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_camera
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from arms import arm_state
 
-from coral.contact.franka.preflight import preflight_arm, preflight_text
+from coral.check_line import blocking, list_text
+from coral.contact.franka.preflight import MARKS, preflight_arm
 from coral.contact.franka.stream import StreamReport
 from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka_cfg import FrankaCfg
@@ -17,7 +18,7 @@ GOOD = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0
 
 def wrong(**changes):
     checks = preflight_arm(dataclasses.replace(GOOD, **changes), FrankaCfg(), ("box",))
-    return [check.name for check in checks if not check.good]
+    return [line.subject for line in blocking(checks)]
 
 
 def test_all_is_in_order():
@@ -41,5 +42,5 @@ def test_a_line_that_is_not_in_order_is_named(changes, name):
 
 
 def test_the_list_reads_well():
-    lines = preflight_text(preflight_arm(GOOD, FrankaCfg(), ("box",))).splitlines()
+    lines = list_text(preflight_arm(GOOD, FrankaCfg(), ("box",)), MARKS).splitlines()
     assert lines[-1] == "ok   box is seen within reach: at +0.100 +0.000 +0.030 m"

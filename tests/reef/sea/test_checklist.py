@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from coral.check_line import blocking
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
-from coral.reef.sea.checklist import Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot

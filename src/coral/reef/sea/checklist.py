@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
+from coral.check_line import CheckLine, level_of
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement, check_colours, check_range_image
 from coral.reef.sea.latest_reading import KEPT, HeardImage, LatestReading, rate_of, rate_told
@@ -16,24 +15,9 @@ from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.world.geometry import wrap
 
-Level = Literal["good", "lacking", "blocking"]
 SLOW_HZ = 4.0
 """A pose or a camera slower than this is told: between two of them the vehicle drives 0.15 m."""
 HEADING_RAD = math.radians(30.0)
-
-
-@dataclass(frozen=True)
-class CheckLine:
-    """One line of the list."""
-
-    subject: str
-    text: str
-    level: Level = "good"
-    """lacking: the survey can do without it. blocking: the vehicle is not armed."""
-
-    def __str__(self) -> str:
-        mark = {"good": "  ", "lacking": "! ", "blocking": "X "}[self.level]
-        return f"{mark}{self.subject}: {self.text}"
 
 
 class StampRates:
@@ -100,7 +84,9 @@ def preflight_list(
         _sonar(now, sonar, sonar_cfg or SonarCfg()),
         _battery(report, safety),
         CheckLine(
-            "leak", f"{safety.on_leak} if detected" if not report.leak else "water inside the hull", _bad(report.leak)
+            "leak",
+            f"{safety.on_leak} if detected" if not report.leak else "water inside the hull",
+            level_of(report.leak),
         ),
         CheckLine("tether", f"{report.tether_turns:+.1f} turns, {safety.on_tether} beyond {safety.tether_turns:g}"),
         CheckLine(
@@ -116,15 +102,6 @@ def preflight_list(
         CheckLine("advisor", equipment.advisor),
         CheckLine("recording", equipment.folder),
     ]
-
-
-def blocking(lines: Sequence[CheckLine]) -> list[CheckLine]:
-    """Return the lines that keep the vehicle from arming."""
-    return [line for line in lines if line.level == "blocking"]
-
-
-def _bad(wrong: bool) -> Level:
-    return "blocking" if wrong else "good"
 
 
 def _resumed(equipment: Equipment, area: SurveyArea) -> CheckLine:
@@ -245,4 +222,4 @@ def _battery(report: VehicleReport, safety: SafetyCfg) -> CheckLine:
             "battery", f"{', '.join(told)}; no share of charge is told and no voltage limit is set", "lacking"
         )
     low = report.battery_fraction is not None and report.battery_fraction < safety.battery_min
-    return CheckLine("battery", f"{', '.join(told)}, {limit}", _bad(low))
+    return CheckLine("battery", f"{', '.join(told)}, {limit}", level_of(low))
