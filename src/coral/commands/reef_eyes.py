@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +17,9 @@ from coral.flags import Argument
 from coral.terminal import tell
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from coral.reef.paint.labelled_pictures import LabelledPicture
     from coral.reef.vehicle.camera import CameraCfg
     from coral.reef.world.geometry import Frame
 
@@ -25,9 +29,10 @@ class ReefEyes:
     """Train our network on pictures of generated reefs, or score eyes on pictures whose truth is known."""
 
     action: Annotated[Literal["train", "score"], Argument()]
-    """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range."""
-    perception: str = "painted"
-    """score: painted or FILE.onnx."""
+    """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range, in
+    painted pictures, or overlap of oysters by video in real ones (--labelled)."""
+    perception: str | None = None
+    """score: painted (the default) or FILE.onnx; of real pictures rgb (the default) or any other network."""
     worlds: tuple[str, ...] = ("all",)
     """score: reefs to take pictures of; `all` are the ten shipped ones, on which nothing is trained."""
     waters: tuple[str, ...] = ("clear", "1C", "bay")
@@ -35,9 +40,9 @@ class ReefEyes:
     pictures: Count = 6
     """Pictures of each reef (and water)."""
     labelled: tuple[Path, ...] = ()
-    """train: folders of real pictures with oysters marked: YOLO or Roboflow, COCO, masks, CoralNet's points."""
+    """Folders of real pictures with oysters marked: YOLO or Roboflow, COCO, masks, CoralNet's points."""
     oysters: tuple[str, ...] = ()
-    """train: names (or numbers) of the classes there that are oysters; all of them, by default."""
+    """Names (or numbers) of the classes there that are oysters; all of them, by default."""
     without: tuple[str, ...] = ()
     """train: videos that are left out, and measured: names of pictures without the number of the frame."""
     reefs: Count = 75
@@ -65,7 +70,9 @@ class ReefEyes:
     def __call__(self) -> Mapping[str, Any]:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number of 0 or more")
-        return self._train() if self.action == "train" else self._score()
+        if self.action == "train":
+            return self._train()
+        return self._score_labelled() if self.labelled else self._score()
 
     def _train(self) -> Mapping[str, Any]:
         if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
@@ -118,7 +125,8 @@ class ReefEyes:
         from coral.reef.vehicle.camera import ray_lengths
         from coral.reef.world.geometry import Label
 
-        eyes = open_eyes(self.perception, painted=True)
+        name = self.perception or "painted"
+        eyes = open_eyes(name, painted=True)
         if eyes is None:
             raise InputError("--perception", "", "exact", "painted or FILE.onnx: exact perception has no errors")
         scores: dict[str, EyesScore] = {}
@@ -135,7 +143,7 @@ class ReefEyes:
             scores.setdefault(water, EyesScore()).add(seen, frame, ray_lengths(camera))
         total = sum(score.pictures for score in scores.values())
         return {
-            "perception": self.perception,
+            "perception": name,
             "bands_m": list(BANDS_M),
             "cpu_ms_per_picture": round(1e3 * spent / max(total, 1), 1),
             "rows": [
@@ -154,6 +162,34 @@ class ReefEyes:
                 for water, score in scores.items()
             ],
         }
+
+    def _score_labelled(self) -> Mapping[str, Any]:
+        from coral.reef.eyes.backends import open_eyes
+        from coral.reef.eyes.perception import CameraAttitude
+        from coral.reef.paint.labelled_pictures import read_labelled
+        from coral.reef.paint.score import video_rows
+        from coral.reef.vehicle.camera import CameraCfg
+        from coral.reef.world.geometry import Label
+
+        name = self.perception or "rgb"
+        eyes = open_eyes(name)
+        if eyes is None:
+            raise InputError("--perception", "", "exact", "rgb, painted or FILE.onnx: a network that sees pictures")
+        pictures, judged = Counter[str](), Counter[str]()
+
+        def seen() -> Iterator[tuple[LabelledPicture, NDArray[np.bool_], NDArray[Any]]]:
+            for one in (picture for folder in self.labelled for picture in read_labelled(folder, self.oysters)):
+                camera = CameraCfg(width=one.rgb.shape[1], height=one.rgb.shape[0])
+                found = eyes.perceive(one.rgb, camera, CameraAttitude())
+                pictures[one.video] += 1
+                judged[one.video] += found.unlike < 1.0
+                said = found.labels == Label.OYSTER
+                yield one, said, said
+
+        rows = [
+            {**row, "pictures": pictures[row["video"]], "judged": judged[row["video"]]} for row in video_rows(seen())
+        ]
+        return {"perception": name, "rows": rows}
 
     def _taken(self) -> Iterator[tuple[str, CameraCfg, Frame]]:
         """Yield the name of the water, the camera, and the picture with its truth."""
@@ -177,12 +213,16 @@ class ReefEyes:
                     yield painter.water.name, camera, replace(frame, rgb=painter.paint(frame, pose, t=7.0 * k))
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        if self.action == "train":
+        if "bands_m" not in result:
             rows = [
                 f"| {row['video']} | {row['iou']:.2f} | {row['precision']:.2f} | {row['recall']:.2f} "
                 f"| {100 * row['said']:.0f} % | {100 * row['true']:.0f} % |"
+                + (f" {row['judged']} of {row['pictures']} |" if "judged" in row else "")
                 for row in result["rows"]
             ]
+            if self.action == "score":
+                head = ["| video | IoU | precision | recall | oysters, said | outlined | pictures judged |"]
+                return "\n".join([*head, "|---|---|---|---|---|---|---|", *rows])
             head = ["| left out | IoU | precision | recall | oysters, said | outlined |", "|---|---|---|---|---|---|"]
             made = f"{result['file']}, from {result['pictures']} painted and {result['real']} real pictures"
             return "\n".join([*(head if rows else ()), *rows, made])

@@ -1,7 +1,9 @@
 import numpy as np
 
 from coral.reef.eyes.perception import SeenPicture
-from coral.reef.paint.score import EyesScore
+from coral.reef.paint.collage import OTHER
+from coral.reef.paint.labelled_pictures import UNKNOWN, LabelledPicture
+from coral.reef.paint.score import EyesScore, video_rows
 from coral.reef.world.geometry import Frame, Label
 
 
@@ -38,3 +40,17 @@ def test_the_doubt_of_the_floor_is_that_of_what_is_floor_and_seen_as_such():
     score = EyesScore()
     score.add(seen, truth, np.ones((1, 4), np.float32))
     assert score.floor_doubt() == [None, 0.2, None, None, None]
+
+
+def test_a_box_counts_whole_and_between_points_nothing_counts():
+    target = np.full((4, 8), UNKNOWN, np.uint8)
+    target[0, :2], target[1, :2] = int(Label.OYSTER), OTHER
+    said = np.zeros((4, 8), bool)
+    said[:, :4] = True
+    rgb = np.zeros((4, 8, 3), np.uint8)
+    ((points,), (box,)) = (
+        video_rows([(LabelledPicture("v-1", rgb, target, of_points=of_points), said, said)])
+        for of_points in (True, False)
+    )
+    assert (points["iou"], points["recall"], points["true"]) == (0.5, 1.0, 0.5)
+    assert (box["precision"], box["true"]) == (0.875, 0.938)

@@ -49,6 +49,8 @@ class LabelledPicture:
     """sRGB. Shape=(H, W, 3)."""
     target: NDArray[np.uint8]
     """`Label.OYSTER`, `OTHER` or `UNKNOWN`. Shape=(H, W)."""
+    of_points: bool = False
+    """Whether only points are known, and not outlines or boxes."""
 
     @property
     def video(self) -> str:
@@ -204,7 +206,7 @@ def _read_points(path: Path, oysters: tuple[str, ...]) -> Iterator[LabelledPictu
         for across, along, label in places:
             oyster = label in oysters if oysters else "oyster" in re.split(r"[^a-z]+", label.lower())
             cv2.circle(target, (along, across), max(2, rgb.shape[1] // 200), int(Label.OYSTER) if oyster else OTHER, -1)
-        yield LabelledPicture(Path(name).stem, rgb, target)
+        yield LabelledPicture(Path(name).stem, rgb, target, of_points=True)
 
 
 def _inside(folder: Path, name: str) -> Path:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from coral.reef.paint.familiar import picture_input
-from coral.reef.paint.labelled_pictures import UNKNOWN, LabelledPicture
+from coral.reef.paint.labelled_pictures import LabelledPicture
+from coral.reef.paint.score import video_rows
 from coral.reef.paint.unet import ReefNet
 from coral.reef.world.geometry import Label
 
@@ -25,30 +27,12 @@ def correct_odds(net: ReefNet) -> None:
 
 
 def measure_left_out(net: ReefNet, pictures: list[LabelledPicture]) -> list[dict[str, Any]]:
-    """Return IoU, precision and recall of the oyster pixels by video.
+    """Return the rows of `video_rows`. A pixel counts as oyster from a probability of `OYSTER_FROM`."""
+    return video_rows(_seen(net, one) for one in pictures)
 
-    A pixel counts as oyster from a probability of `OYSTER_FROM`. A box counts whole. `said` and `true` are the shares
-    of oysters by the network's probabilities and by the outlines.
-    """
-    counts: dict[str, list[float]] = {}
-    for one in pictures:
-        with torch.no_grad():
-            logits = net(torch.from_numpy(picture_input(one.rgb)[None]))[0][0]
-        likely = torch.softmax(logits, dim=0)[int(Label.OYSTER)].numpy()
-        said = likely > OYSTER_FROM
-        size = (said.shape[1], said.shape[0])
-        target = cv2.resize(one.target, size, interpolation=cv2.INTER_NEAREST)
-        true = (target == int(Label.OYSTER)) | (target == UNKNOWN)
-        found = [(said & true).sum(), said.sum(), true.sum(), likely.sum(), true.size]
-        counts[one.video] = [a + float(b) for a, b in zip(counts.get(one.video, [0.0] * 5), found, strict=True)]
-    return [
-        {
-            "video": video,
-            "iou": round(both / max(said + true - both, 1), 3),
-            "precision": round(both / max(said, 1), 3),
-            "recall": round(both / max(true, 1), 3),
-            "said": round(likely / pixels, 3),
-            "true": round(true / pixels, 3),
-        }
-        for video, (both, said, true, likely, pixels) in sorted(counts.items())
-    ]
+
+def _seen(net: ReefNet, one: LabelledPicture) -> tuple[LabelledPicture, NDArray[np.bool_], NDArray[np.float32]]:
+    with torch.no_grad():
+        logits = net(torch.from_numpy(picture_input(one.rgb)[None]))[0][0]
+    likely = torch.softmax(logits, dim=0)[int(Label.OYSTER)].numpy()
+    return one, likely > OYSTER_FROM, likely

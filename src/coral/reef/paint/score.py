@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.eyes.perception import SeenPicture
+from coral.reef.paint.labelled_pictures import UNKNOWN, LabelledPicture
 from coral.reef.world.geometry import Frame, Label
 
 BANDS_M = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
@@ -66,6 +69,35 @@ class EyesScore:
     def floor_doubt(self) -> list[float | None]:
         """Return the median doubt of the sea floor that is seen as such, by band: how far the eyes see shows in it."""
         return _medians(self.doubts)
+
+
+def video_rows(
+    seen: Iterable[tuple[LabelledPicture, NDArray[np.bool_], NDArray[Any]]],
+) -> list[dict[str, Any]]:
+    """Return IoU, precision and recall of the oyster pixels by video.
+
+    Each picture comes with what eyes call oyster in it and how probable that is, in their size, Shape=(H, W). A box
+    counts whole; pixels between points do not count. `said` and `true` are the shares of oysters by the probabilities
+    and by the outlines.
+    """
+    counts: dict[str, NDArray[np.float64]] = {}
+    for one, said, likely in seen:
+        target = cv2.resize(one.target, said.shape[::-1], interpolation=cv2.INTER_NEAREST)
+        true = (target == int(Label.OYSTER)) | ((target == UNKNOWN) & (not one.of_points))
+        known = (target != UNKNOWN) | (not one.of_points)
+        found = [(said & true).sum(), (said & known).sum(), true.sum(), likely[known].sum(), known.sum()]
+        counts[one.video] = counts.get(one.video, np.zeros(5)) + np.array(found, np.float64)
+    return [
+        {
+            "video": video,
+            "iou": round(both / max(said + true - both, 1), 3),
+            "precision": round(both / max(said, 1), 3),
+            "recall": round(both / max(true, 1), 3),
+            "said": round(likely / max(pixels, 1), 3),
+            "true": round(true / max(pixels, 1), 3),
+        }
+        for video, (both, said, true, likely, pixels) in sorted((one, row.tolist()) for one, row in counts.items())
+    ]
 
 
 def _some(values: NDArray[Any]) -> NDArray[np.float32]:
