@@ -177,12 +177,18 @@ def _parse(name: str, words: Sequence[str]) -> Command:
     kind = load(place)
     # The file of `--config` is read before the flags, and so are the defaults of a study.
     default = kind.from_file(words) if hasattr(kind, "from_file") else None
-    keys = [".".join(field[1:]) for field in given if field[0] == "cfg"]
+    flags = [flag for flag in about.flags if flag.field in given]
+    keys = [".".join(flag.field[1:]) if flag.field[0] == "cfg" else flag.name for flag in flags]
+    chosen = {flag.name for flag in flags}
+    for flag in flags:
+        chosen |= {word if flag.positional else f"{flag.name}={word}" for word in given[flag.field][:1]}
     if default is not None:
-        from coral.config import changed_keys  # it takes a tenth of a second to import
+        from coral.config import changes, to_mapping  # it takes a tenth of a second to import
 
-        keys += changed_keys(default.cfg, type(default.cfg)())
-    refuse_unread(name, keys)
+        changed = changes(to_mapping(default.cfg), to_mapping(type(default.cfg)()))
+        keys += [key for key, _ in changed]
+        chosen |= {f"--cfg.{key}={value}" for key, value in changed}
+    refuse_unread(name, keys, chosen)
     parsed: Command = build(kind, given, about, name, default)
     return parsed
 

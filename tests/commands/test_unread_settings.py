@@ -1,6 +1,7 @@
 """Every key of a survey's configuration is read by the command that takes it, or refused by it."""
 
 import dataclasses
+import inspect
 import re
 from pathlib import Path
 
@@ -8,13 +9,16 @@ import pytest
 
 from config_reads import keys_of, watched
 from coral import reef
-from coral.cli import _parse, main
+from coral.cli import COMMANDS, _parse, main
+from coral.commands.reef_eyes import ReefEyes
 from coral.commands.unread_settings import UNREAD, refuse_unread, refused_by
 from coral.config import changed_keys, merge
+from coral.contact.episode.cfg import EpisodeCfg
 from coral.errors import InputError
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.world.world import load_world
+from coral.surface import described
 from reef.sea import voyage
 
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
@@ -121,7 +125,28 @@ def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypat
 
 @pytest.mark.parametrize(("command", "key"), [(command, key) for command in UNREAD for key in UNREAD[command]])
 def test_every_refused_key_exists(command, key):
-    assert any(covers([key], known) for known in keys_of(MissionCfg()))
+    if key.startswith("--"):
+        assert key in {flag.name for flag in described(COMMANDS["reef eyes"][0]).flags}
+    else:
+        assert any(covers([key], known) for known in keys_of(EpisodeCfg() if "contact" in command else MissionCfg()))
+
+
+ACTIONS = {
+    "reef eyes train": (ReefEyes._train,),
+    "reef eyes score": (ReefEyes._score, ReefEyes._taken),
+    "reef eyes score --labelled": (ReefEyes._score_labelled,),
+}
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_an_action_refuses_the_flags_that_it_does_not_read(action):
+    read = set(re.findall(r"self\.(\w+)", "".join(map(inspect.getsource, ACTIONS[action]))))
+    flags = {field.name for field in dataclasses.fields(ReefEyes)} - {"action", "json"}
+    refused = [found for case, found in UNREAD.items() if set(action.split()) >= set(case.split())]
+    missing = {f"--{flag.replace('_', '-')}" for flag in flags - read} - set().union(*refused)
+    # Without --labelled there is nothing to name the oysters of.
+    assert missing - {"--labelled", "--oysters"} == set()
+    assert {key[2:].replace("-", "_") for found in refused for key in found} & read == set()
 
 
 @pytest.mark.parametrize(
@@ -137,6 +162,31 @@ def test_every_refused_key_exists(command, key):
             "coral reef bench: --cfg.record.frames: found a setting that it never reads, expected nothing: it keeps "
             "no pictures and no report",
         ),
+        (
+            "reef eyes score --steps 3",
+            "coral reef eyes score: --steps: found a setting that it never reads, expected --perception, --labelled, "
+            "and either --worlds, --waters, --pictures, --seed or --oysters",
+        ),
+        (
+            "reef eyes score --labelled here --worlds s1",
+            "coral reef eyes score --labelled: --worlds: found a setting that it never reads, expected --perception, "
+            "--labelled and --oysters",
+        ),
+        (
+            "reef eyes train --perception rgb",
+            "coral reef eyes train: --perception: found a setting that it never reads, expected --labelled, --oysters, "
+            "--without, --reefs, --pictures, --steps, --batch, --device, --limit-s, --begin, --threads, --out, --seed",
+        ),
+        (
+            "reef run s1 --cfg.driver pd --cfg.controller.costs.goal 2",
+            "coral reef run --cfg.driver=pd: --cfg.controller.costs.goal: found a setting that it never reads, "
+            "expected nothing: --cfg.controller is DDP-MPPI's, and a PD controller drives",
+        ),
+        (
+            "contact run pick-box --variant expert-fsm --cfg.think.latency 3",
+            "coral contact run --variant=expert-fsm: --cfg.think.latency: found a setting that it never reads, "
+            "expected nothing: an expert's costs are written by hand, and nobody is asked",
+        ),
     ],
 )
 def test_the_command_line_refuses_it_in_one_line(capsys, words, said):
@@ -148,6 +198,9 @@ def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
     file = tmp_path / "a.yaml"
     file.write_text("lane_m: 10\ntime_limit_s: 20\n")
     assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
+    file.write_text("driver: pd\n")
+    with pytest.raises(InputError, match=r"--cfg.driver=pd: --cfg.controller.costs.goal: found"):
+        _parse("reef run", ["s1", "--config", str(file), "--cfg.controller.costs.goal", "2"])
     file.write_text("simulator: {stills: true}\n")
     with pytest.raises(InputError, match=r"--cfg.simulator.stills: found a setting that it never reads"):
         _parse("reef sail", ["s1", "--config", str(file)])

@@ -1,6 +1,7 @@
 """Settings that a command accepts among the keys of its configuration and never reads: it refuses them.
 
 A test runs every command that takes a configuration and watches which keys are read; this list must agree with it.
+What a command reads may depend on what was chosen: its action, or the value of another flag.
 """
 
 from __future__ import annotations
@@ -16,6 +17,14 @@ _AT_SEA = {
     ),
     "localization.start_m": "nothing: only a survey at sea is resumed",
 }
+_SCORED = "--perception, --labelled, and either --worlds, --waters, --pictures, --seed or --oysters"
+_TRAINED = (
+    "--labelled, --oysters, --without, --reefs, --pictures, --steps, --batch, --device, --limit-s, --begin, "
+    "--threads, --out, --seed"
+)
+_OF_TRAINING = ("without", "reefs", "steps", "batch", "device", "limit-s", "begin", "threads", "out")
+_PD = {"controller": "nothing: --cfg.controller is DDP-MPPI's, and a PD controller drives"}
+_EXPERTS = {"think": "nothing: an expert's costs are written by hand, and nobody is asked"}
 UNREAD: dict[str, dict[str, str]] = {
     "reef run": _AT_SEA,
     "reef bench": {"record": "nothing: it keeps no pictures and no report", **_AT_SEA},
@@ -23,21 +32,35 @@ UNREAD: dict[str, dict[str, str]] = {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "simulator.stills": "nothing: a camera at sea has its own pictures",
     },
+    "reef run --cfg.driver=pd": _PD,
+    "reef run --variant=pd": _PD,
+    "contact run --variant=expert": _EXPERTS,
+    "contact run --variant=expert-fsm": _EXPERTS,
+    "reef eyes train": dict.fromkeys(("--perception", "--worlds", "--waters"), _TRAINED),
+    "reef eyes score": dict.fromkeys((f"--{name}" for name in _OF_TRAINING), _SCORED),
+    "reef eyes score --labelled": dict.fromkeys(
+        ("--worlds", "--waters", "--pictures", "--seed"), "--perception, --labelled and --oysters"
+    ),
 }
-"""By command: key or group of keys, and what the command does instead."""
+"""By command and what was chosen: key or group of keys of the configuration, or flag, and what is read instead."""
 
 
-def refuse_unread(command: str, keys: Iterable[str], prefix: str = "--cfg") -> None:
-    """Refuse the first of the dotted keys that a command, such as "reef sail", never reads.
+def refuse_unread(command: str, keys: Iterable[str], chosen: Iterable[str] = ()) -> None:
+    """Refuse the first of the dotted keys, or flags, that a command, such as "reef sail", never reads.
+
+    `chosen` are its action, flags, and flags with their values, such as "--cfg.driver=pd".
 
     Raises:
         InputError: The command does not read one of them.
     """
+    there = {*command.split(), *chosen}
+    holding = [(case, unread) for case, unread in UNREAD.items() if there.issuperset(case.split())]
     for key in keys:
-        for unread, instead in UNREAD.get(command, {}).items():
-            if f"{key}.".startswith(f"{unread}."):
-                flag = f"{prefix}.{key}".replace("_", "-")
-                raise InputError(f"coral {command}", flag, "a setting that it never reads", instead)
+        for case, found in holding:
+            for unread, instead in found.items():
+                if f"{key}.".startswith(f"{unread}."):
+                    flag = key if key.startswith("--") else f"--cfg.{key}".replace("_", "-")
+                    raise InputError(f"coral {case}", flag, "a setting that it never reads", instead)
 
 
 def refused_by(key: str) -> list[str]:
