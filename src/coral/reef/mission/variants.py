@@ -41,7 +41,11 @@ GLIDED = {"latency": "0", "stop_when_covered": False, "simulator.vehicle.model":
 """A vehicle without inertia that follows a plan to its end."""
 
 VARIANTS: dict[str, Variant] = {
-    "full": Variant(what="Nothing is changed."),
+    "full": Variant(
+        what="What goes beyond the paper: a tour of all known clusters that weighs what each is worth, looks from near "
+        "until a cluster is inspected, and questions that are asked ahead of need. Together they take the time to 90 % "
+        "of the oysters [from 297 to 85 s](../research/inspection.md).",
+    ),
     "paper": Variant(
         what="The paper's Alg. 2 in place of our planner. Its prompts (five points, priority rules), one goal at a "
         "time, asked for 2.5 m before the present one and measured from the robot, checked by Eqs. 4-8 at request and "
