@@ -6,7 +6,7 @@ from contact_bench import touch
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.joint_motion import move_joint
 from coral.contact.scene.judge import Judge
-from coral.contact.scene.observation import BodyState, HandForce, Truth
+from coral.contact.scene.observation import BodyState, Contact, HandForce, Truth
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 
@@ -48,6 +48,12 @@ def still(state, contacts, seconds=1.0):
 
 def touches(name, *things):
     return [touch(name, thing) for thing in things]
+
+
+def gripped(one, name, body, point):
+    """Both fingers touch an object at a named point of it."""
+    at = one.trial.point(name, point, body)
+    return [Contact(*sorted((name, finger)), np.array([0.0, 0.0, 1.0]), at) for finger in ("left", "right")]
 
 
 def placed(one, name, position=None, axis=(0.0, 0.0, 1.0), degrees=0.0):

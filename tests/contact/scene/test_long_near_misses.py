@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from judged_trial import JudgedTrial, on_joint, placed, slid, still, touches
+from judged_trial import JudgedTrial, gripped, on_joint, placed, slid, still, touches
 
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.task_file import suite_tasks
@@ -72,6 +72,8 @@ def test_bridge(how, succeeds):
     {"way": ("hand",), "odd": "red"},
     {"degrees": 90},
     {"degrees": 90, "odd": "red"},
+    {"toppled": 90},  # and set up again
+    {"toppled": 90, "odd": "red"},
     {"end": ("table", "hand")},
     {"end": ("table", "hand"), "odd": "red"},
 )
@@ -82,11 +84,12 @@ def test_sweep(how, succeeds):
         "blue": -0.16,
         "way": ("hand", "table"),
         "degrees": 0,
+        "toppled": 20,  # it may tilt on the way
         "end": ("table",),
         "odd": "blue",
     } | how
     odd, other = given["odd"], "red" if given["odd"] == "blue" else "blue"
-    way = moment({}, (other, "table"), (odd, *given["way"])) * 2
+    way = moment({odd: placed(one, odd, None, X, given["toppled"])}, (other, "table"), (odd, *given["way"])) * 2
     end = {
         other: placed(one, other, (None, given[other], None)),
         odd: placed(one, odd, (None, given[odd], None), X, given["degrees"]),
@@ -123,12 +126,19 @@ def test_turn_tile(how, succeeds):
     {"cube": (-0.08, -0.11, 0.0175)},  # beside the mat
     {"on": ("hand", "table")},
     {"on": ("drawer",)},
+    {"held": (False, False)},  # drawn by its edge
+    {"held": (True, False)},
+    {"held": (False, True)},
 )
 def test_drawer_fetch(how, succeeds):
     one = JudgedTrial("drawer-fetch")
-    given = {"drawer": 0.12, "cube": (-0.08, -0.16, 0.0175), "on": ("table",)} | how
+    given = {"drawer": 0.12, "cube": (-0.08, -0.16, 0.0175), "on": ("table",), "held": (True, True)} | how
+    way = []
+    for at, held in zip((0.0, 0.1), given["held"], strict=True):
+        body = on_joint(one, "drawer", at)
+        way += [({"drawer": body}, gripped(one, "drawer", body, "handle") if held else touches("drawer", "hand"))] * 10
     end = {"drawer": on_joint(one, "drawer", given["drawer"]), "cube": placed(one, "cube", given["cube"])}
-    assert one.succeeds(still(end, touches("cube", *given["on"]))) is succeeds
+    assert one.succeeds([*way, *still(end, touches("cube", *given["on"]))]) is succeeds
 
 
 @near_misses(
@@ -158,15 +168,24 @@ def test_swap_cans(how, succeeds):
     {"cover": ("cube",)},  # the box over the cube again
     {"on": ("hand", "table")},
     {"on": ("cover",)},
+    {"by": None},  # lifted by its edge
+    {"up": 0.0},  # shoved off
 )
 def test_uncover_cube(how, succeeds):
     one = JudgedTrial("uncover-cube")
     given = {"cube": (0.05, -0.15, 0.0175), "degrees": 0, "cover": ("table",), "on": ("table",)} | how
+    by, up = given.get("by", "knob"), given.get("up", 0.08)
+    way = []
+    for high, under in ((0.0, ["table"]), (up, [] if up else ["table"])):
+        body = placed(one, "cover", (None, None, one.trial.objects["cover"].pose.position[2] + high))
+        held = gripped(one, "cover", body, by) if by else touches("cover", "hand")
+        way += [({"cover": body}, held + touches("cover", *under))] * 10
     end = {
         "cover": placed(one, "cover", (-0.12, 0.12, None), X, given["degrees"]),
         "cube": placed(one, "cube", given["cube"]),
     }
-    assert one.succeeds(still(end, touches("cube", *given["on"]) + touches("cover", *given["cover"]))) is succeeds
+    lie = touches("cube", *given["on"]) + touches("cover", *given["cover"])
+    assert one.succeeds([*way, *still(end, lie)]) is succeeds
 
 
 @near_misses(

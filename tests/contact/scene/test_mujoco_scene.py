@@ -8,10 +8,12 @@ from contact_bench import make_trial, plain
 from coral.contact.control.hand_model import FINGER_FRICTION, HandCfg
 from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import from_rotvec
-from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.mujoco_scene import TABLE_COLOR, add_scene
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.task_file import every_task
 from coral.contact.scene.trial import PhysicalParameters, with_beliefs
+from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld
 from coral.contact.worlds.robot_world import WorldError
 
@@ -155,3 +157,10 @@ def test_a_mark_and_the_colour_of_a_part_are_seen_and_touch_nothing():
     assert (found.contype[0], found.conaffinity[0], found.group[0]) == (0, 0, 1)
     assert found.rgba[:3] == pytest.approx([0.2, 0.6, 0.2])
     assert model.geom("box/0").rgba[:3] == pytest.approx([0.8, 0.2, 0.2])
+
+
+@pytest.mark.parametrize("name", every_task())
+def test_fixtures_and_marks_are_told_from_the_table_by_their_colour(name):
+    task = load_task(name)
+    for one in (*task.fixtures, *task.marks):
+        assert np.linalg.norm(np.subtract(one.color, TABLE_COLOR)) > 0.2, one

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from judged_trial import JudgedTrial, at_rest, placed, slid, still, touches
+from judged_trial import JudgedTrial, at_rest, gripped, on_joint, placed, slid, still, touches
 
 from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.joint_motion import move_joint
@@ -108,8 +108,6 @@ SWUNG = [
     ("open-door", {"to": 50}, False),
     ("open-door", {"to": 70, "force": 60.0}, False),  # with a blow
     ("open-door", {"to": 70, "end": ("hand",)}, False),
-    ("open-drawer", {"to": 0.1}, True),
-    ("open-drawer", {"to": 0.06}, False),
     ("close-drawer", {"to": 0.0}, True),
     ("close-drawer", {"to": 0.012}, False),  # ajar
     ("close-drawer", {"to": 0.0, "force": 60.0}, False),
@@ -125,6 +123,28 @@ JUDGED |= {task for task, *_ in SWUNG}
 def test_what_is_on_a_joint(task, how, succeeds):
     one = JudgedTrial(task)
     assert one.succeeds(swung(one, **how)) is succeeds
+
+
+@near_misses(
+    "open-drawer",
+    [
+        ({}, True),
+        ({"to": 0.06}, False),
+        ({"held": ()}, False),  # drawn by its edge
+        ({"held": (0.0, 0.02)}, False),  # begun by the handle, and drawn on by its edge
+        ({"held": (0.05, 0.2)}, False),  # the handle only in the end
+    ],
+)
+def test_open_drawer(how, succeeds):
+    one = JudgedTrial("open-drawer")
+    given = {"to": 0.1, "held": (0.0, 0.2)} | how
+    opening = np.linspace(0.0, given["to"], 60)
+    way = []
+    for at in opening:
+        body = on_joint(one, "drawer", at)
+        held = given["held"] and given["held"][0] <= at <= given["held"][1]
+        way.append((body, gripped(one, "drawer", body, "handle") if held else touches("drawer", "hand")))
+    assert one.succeeds([*way, *still(way[-1][0], [])]) is succeeds
 
 
 def turned_bar(one, degrees, about):
@@ -143,12 +163,16 @@ def turned_bar(one, degrees, about):
         ({"to": -90}, False),  # to the right
         ({"things": ("hand",)}, False),  # carried
         ({"end": ("table", "hand")}, False),
+        ({"off": 0.2}, False),  # its near end left the stop on the way
     ],
 )
 def test_pivot_bar(how, succeeds):
     one = JudgedTrial("pivot-bar")
-    given = {"to": 90, "about": -0.1, "things": ("hand", "table"), "end": ("table",)} | how
-    poses = [turned_bar(one, share * given["to"], given["about"]) for share in np.linspace(0, 1, 60)]
+    given = {"to": 90, "about": -0.1, "things": ("hand", "table"), "end": ("table",), "off": 0.0} | how
+    shares = np.linspace(0, 1, 60)
+    poses = [turned_bar(one, share * given["to"], given["about"]) for share in shares]
+    for pose, share in zip(poses, shares, strict=True):
+        pose.position[0] += given["off"] * np.sin(np.pi * share)
     way = [(pose, touches("bar", *given["things"])) for pose in poses]
     assert one.succeeds([*way, *still(poses[-1], touches("bar", *given["end"]))]) is succeeds
 
@@ -258,11 +282,17 @@ def test_push_gently(how, succeeds):
 
 @near_misses(
     "push-past-glass",
-    [({}, True), ({"brushed": "hand"}, False), ({"brushed": "crate"}, False), ({"to": (0.08, 0.0)}, False)],
+    [
+        ({}, True),
+        ({"brushed": "hand"}, False),
+        ({"brushed": "crate"}, False),
+        ({"to": (0.08, 0.0)}, False),
+        ({"things": ("hand",)}, False),  # carried
+    ],
 )
 def test_push_past_glass(how, succeeds):
     one = JudgedTrial("push-past-glass")
-    way = slid(one, how.get("to", (0.12, 0.0)))
+    way = slid(one, how.get("to", (0.12, 0.0)), how.get("things", ("hand", "table")))
     brushed = touches("glass", how["brushed"]) if "brushed" in how else []
     way[5] = (way[5][0], [*way[5][1], *brushed])
     assert one.succeeds([*way, *still(at_rest(way[-1][0]), touches("crate", "table"))]) is succeeds

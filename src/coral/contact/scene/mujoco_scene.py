@@ -37,6 +37,7 @@ _GEOMS = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
     "mesh": mujoco.mjtGeom.mjGEOM_MESH,
 }
+TABLE_COLOR = (0.82, 0.78, 0.72)
 MARK_M, MARK_GROUP = 0.001, 1
 """Thickness of a mark, and its group: pictures for people and models show it, the tracker's, of depth, do not."""
 
@@ -56,7 +57,7 @@ def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
         size=np.asarray(table.size) / 2,
         pos=[*table.center, -table.size[2] / 2],
         friction=[0.5, TORSION, ROLLING],
-        rgba=[0.82, 0.78, 0.72, 1],
+        rgba=[*TABLE_COLOR, 1],
     )
     for fixture in task.fixtures:
         spec.worldbody.add_geom(
