@@ -11,7 +11,7 @@ TASK = """
 format: coral-contact/1
 name: nudge
 title: Nudge
-instruction: Push the block along the table to the mark.
+instruction: Push the block to the green mark.
 time_limit_s: 6
 table: {size: [0.8, 0.8, 0.05], center: [0, 0]}
 objects:
@@ -22,6 +22,7 @@ objects:
     x: [0.0, 0.05]
     y: [-0.02, 0.02]
 places: {mark: [0.15, 0, 0.03]}
+marks: [{place: mark, color: [0.3, 0.6, 0.35]}]
 success:
   hold_s: 0.1
   conditions:
