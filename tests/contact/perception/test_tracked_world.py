@@ -90,6 +90,8 @@ def test_a_covered_object_stays_where_it_was_and_is_found_again():
     for _ in range(40):
         now = world.step(rest(now))
         said += world.news()
+        assert now.lost == ({"box"} if said and said[-1]["lost"] else set())
+        assert now.unseen == frozenset()
         assert np.linalg.norm(now.objects["box"].position - before) < 0.005
     assert [(one["object"], one["lost"]) for one in said] == [("box", True), ("box", False)]
     assert said[0]["reason"] == "not seen"

@@ -52,7 +52,30 @@ def test_the_scene_says_what_was_not_seen_and_only_then_tells_of_the_quantity(sc
     assert "box_seen" in told_in_scene(facts)
     assert "box_seen" not in told_in_scene(unknown)
     assert "Not seen yet" not in scene_text(facts)
-    assert "Not seen yet, its pose a guess: box." in scene_text(unknown)
+    low, high = one.trial.task.objects[0].x
+    assert f"Not seen yet, its pose a guess: box (somewhere in x {low:g} to {high:g}, y " in scene_text(unknown)
+
+
+def test_an_object_lost_on_the_way_is_not_seen_and_only_what_asks_for_that_waits(scene, followed):
+    one, (stages, seen, _) = scene("pick-box"), followed
+    now = dataclasses.replace(one.now, lost=frozenset({"box"}))
+    lost = one.world.present(now)
+    assert (float(seen.box_seen.flat[0]), float(lost.box_seen.flat[0])) == (1.0, 0.0)
+    # The hand itself hides what it reaches for: costs and conditions go on with the pose last seen.
+    assert list(stages[0].cost(lost)) == ["off"]
+    assert (stages[0].until(lost), stages[0].next[0][1](lost)) == (True, False)
+    facts = scene_facts(one.trial, now)
+    assert "Out of sight now, its pose the last one seen: box." in scene_text(facts)
+    assert "box_seen" not in told_in_scene(facts)
+
+
+def test_nothing_is_told_of_where_an_object_may_be_that_another_carries(scene):
+    one = scene("pick-box")
+    on_top = one.trial.task.objects[0].model_copy(update={"stands_on": "crate"})
+    task = one.trial.task.model_copy(update={"objects": (on_top,)})
+    hidden = dataclasses.replace(one.now, unseen=frozenset({"box"}))
+    facts = scene_facts(dataclasses.replace(one.trial, task=task), hidden)
+    assert "Not seen yet, its pose a guess: box. " in scene_text(facts)
 
 
 def test_nothing_leads_to_its_guessed_place(scene):

@@ -261,7 +261,9 @@ class PlanningWorld:
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
         for name in self.object_names:
-            makers[f"{name}_seen"] = np.full((1, 1), float(name not in now.unseen))
+            makers[f"{name}_seen"] = np.full((1, 1), float(name not in now.unseen | now.lost))
+            if name in now.unseen:
+                makers[f"{name}_guessed"] = np.ones((1, 1))
             if name in index.pose:
                 pose, speed = index.pose[name].start, index.speed[name].start
                 makers[f"{name}_pos"] = qpos[..., pose : pose + 3]

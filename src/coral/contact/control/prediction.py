@@ -46,4 +46,5 @@ def observation_of(states: Context, like: Observation, index: int = -1) -> Obser
         wrench=np.concatenate([at("ee_force"), at("ee_torque")]),
         objects={name: body(name) for name in like.objects},
         unseen=like.unseen,
+        lost=like.lost,
     )

@@ -51,7 +51,9 @@ def object_quantities(
         f"{name}_size": Quantity(3, "m", f"full extents of the {name} along its own axes", constant=True),
         f"{name}_mass": Quantity(0, "kg", f"believed mass of the {name}", constant=True),
         f"{name}_friction": Quantity(0, "", f"believed friction coefficient of the {name}", constant=True),
-        f"{name}_seen": Quantity(0, "", f"whether a picture has shown the {name}", truth=True, constant=True),
+        f"{name}_seen": Quantity(
+            0, "", f"whether the {name} is seen: found, and not lost now", truth=True, constant=True
+        ),
         **hand_quantities(name),
         f"{name}_left_contact": Quantity(0, "", f"whether the left finger touches the {name}", truth=True),
         f"{name}_right_contact": Quantity(0, "", f"whether the right finger touches the {name}", truth=True),

@@ -231,7 +231,9 @@ class TrackedWorld(WrappedWorld):
     def _with_estimates(self, now: Observation) -> Observation:
         tool = body_to_matrix(now.tool)
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
-        return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects, frozenset(self._unseen))
+        unseen = frozenset(self._unseen)
+        lost = {name for name, one in self._objects.items() if one.lost_since is not None and not one.held} - unseen
+        return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects, unseen, frozenset(lost))
 
     def _body(self, one: TrackedObject, hand: BodyState, tool: Array, time_s: float) -> BodyState:
         T = one.at(tool, time_s)

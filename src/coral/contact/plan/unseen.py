@@ -21,8 +21,11 @@ def objects_read(program: Cost, schema: Schema) -> tuple[str, ...]:
 
 
 def unseen_of(state: Context, objects: Sequence[str]) -> list[str]:
-    """Return which of these objects have not been seen yet, by the state's quantities `NAME_seen`."""
-    return [name for name in objects if f"{name}_seen" in state and not np.asarray(state[f"{name}_seen"]).flat[0]]
+    """Return which of these objects have not been seen yet: the state has a `NAME_guessed` for them, beyond its schema.
+
+    Objects lost on the way are none: a hand that hides what it reaches for would turn back.
+    """
+    return [name for name in objects if f"{name}_guessed" in state]
 
 
 def waiting_cost(cost: Callable[[Context], Terms], objects: Sequence[str]) -> Callable[[Context], Terms]:

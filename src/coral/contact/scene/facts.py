@@ -47,6 +47,8 @@ class ObjectFacts(TypedDict):
         middle_m: Centre of its box in its frame; missing if it is the origin.
         joint: What holds it; missing if it moves freely.
         unseen: True before a picture has shown it: its pose is a guess.
+        somewhere: From where to where it may be until then, by the task file; missing if something carries or holds it.
+        lost: True while the tracker has lost it: its pose is the last one seen.
         mass_kg, friction: Beliefs; missing before the first belief.
     """
 
@@ -62,6 +64,8 @@ class ObjectFacts(TypedDict):
     mass_kg: NotRequired[float]
     friction: NotRequired[float]
     unseen: NotRequired[bool]
+    somewhere: NotRequired[AreaFacts]
+    lost: NotRequired[bool]
 
 
 class FixtureFacts(TypedDict):
@@ -70,6 +74,13 @@ class FixtureFacts(TypedDict):
     position: list[float]
     size_m: list[float]
     yaw_deg: float
+
+
+class AreaFacts(TypedDict):
+    """From where to where in x and y the origin of an object's frame may be."""
+
+    x: list[float]
+    y: list[float]
 
 
 class TableFacts(TypedDict):

@@ -46,6 +46,8 @@ class Observation:
     """Pose of every movable object, from the simulator or a tracker."""
     unseen: frozenset[str] = frozenset()
     """Objects that no picture has shown yet: their poses are guesses from the task file."""
+    lost: frozenset[str] = frozenset()
+    """Objects that the tracker has lost and the fingers do not hold: their poses are those last seen."""
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,10 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
             }
         if name in now.unseen:
             objects[name]["unseen"] = True
+            if item.stands_on is None and item.joint is None:  # otherwise they count from there
+                objects[name]["somewhere"] = {"x": list(item.x), "y": list(item.y)}
+        if name in now.lost:
+            objects[name]["lost"] = True
         if beliefs is not None:
             objects[name]["mass_kg"] = round(beliefs[name].mass_kg, 5)
             objects[name]["friction"] = round(beliefs[name].friction, 4)

@@ -107,10 +107,13 @@ def scene_text(facts: SceneFacts | Mapping[str, Any]) -> str:
     ]
     if _unseen(facts):
         names = _unseen(facts)
+        where = ", ".join(name + _area(facts["objects"][name]) for name in names)
         lines.append(
-            f"Not seen yet, its pose a guess: {', '.join(names)}. Costs and conditions that read it wait until a "
+            f"Not seen yet, its pose a guess: {where}. Costs and conditions that read it wait until a "
             f"picture shows it (self.{names[0]}_seen): first uncover it."
         )
+    if _lost(facts):
+        lines.append(f"Out of sight now, its pose the last one seen: {', '.join(_lost(facts))}.")
     if facts["fixtures"]:
         lines.append("Fixed things (centre; full extents):")
         lines += [
@@ -157,10 +160,20 @@ def _unseen(facts: SceneFacts | Mapping[str, Any]) -> list[str]:
     return [name for name, item in facts["objects"].items() if item.get("unseen")]
 
 
+def _lost(facts: SceneFacts | Mapping[str, Any]) -> list[str]:
+    return [name for name, item in facts["objects"].items() if item.get("lost")]
+
+
+def _area(item: ObjectFacts | Mapping[str, Any]) -> str:
+    """Tell from where to where an object may be, as far as that is known."""
+    area = item.get("somewhere")
+    return f" (somewhere in x {_range(area['x'])}, y {_range(area['y'])})" if area else ""
+
+
 def told_in_scene(facts: SceneFacts | Mapping[str, Any]) -> set[str]:
     """Return the names that a cost may use and `scene_text` tells with their values, or that have an only value."""
     fixed = {f"{name}_{what}" for name in facts["fixtures"] for what in ("pos", "size")}
-    seen = {f"{name}_seen" for name in facts["objects"]} if not _unseen(facts) else set()
+    seen = {f"{name}_seen" for name in facts["objects"]} if not _unseen(facts) + _lost(facts) else set()
     return {"table_min", "table_max"} | seen | fixed | {f"{name}_pos" for name in facts["places"]} | {*facts["numbers"]}
 
 
