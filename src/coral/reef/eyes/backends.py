@@ -7,6 +7,7 @@ from pathlib import Path
 from coral.errors import InputError, nearest
 from coral.onnx_file import open_picture_network
 from coral.plugins import has_plugin, named_plugin, our_part
+from coral.reef.eyes.painted_only import PaintedOnlyEyes
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.eyes.reef_net import REAL, SHIPPED, ReefNetEyes
 
@@ -19,7 +20,7 @@ def open_eyes(
 ) -> RgbPerception | None:
     """Return eyes by name: exact, a network of the package, an entry point of the group `coral.eyes`, or an ONNX file.
 
-    `painted` says that this package paints the pictures: then no network that it trained finds them unlike real ones.
+    `painted` says that this package paints the pictures: then no network that it trained asks whether they are real.
     `depth` is the ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none. None for
     exact: the simulator's frames are used as they are.
 
@@ -41,7 +42,10 @@ def open_eyes(
             where, "", f"{RGB}, for real pictures", f"{PAINTED}: a simulated camera's pictures are painted"
         )
     if name in _NETWORKS:
-        return ReefNetEyes(open_picture_network(_NETWORKS[name], where))
+        shipped = ReefNetEyes(open_picture_network(_NETWORKS[name], where))
+        if name == RGB or painted:
+            return shipped
+        return PaintedOnlyEyes(shipped, ReefNetEyes(open_picture_network(REAL, where)))
     made: RgbPerception
     if not name.endswith(".onnx") and has_plugin("coral.eyes", name):
         made = named_plugin("coral.eyes", name, where)()

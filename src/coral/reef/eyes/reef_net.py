@@ -62,6 +62,30 @@ class ReefNetEyes:
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth. A picture of another size or shape is scaled to fit, and so is the result."""
+        out, rows, columns = self._run(rgb, camera, attitude)
+        logits = np.ascontiguousarray(out["logits"][0, :, rows, columns])
+        depth = out["depth"][0, 0, rows, columns]
+        labels, doubt = choose_labels(logits, OBSTACLE_FROM, self.oyster_from)
+        if labels.shape != (camera.height, camera.width):
+            full = (camera.width, camera.height)
+            labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)
+            doubt, depth = (
+                np.asarray(cv2.resize(np.ascontiguousarray(image), full, interpolation=cv2.INTER_NEAREST), np.float32)
+                for image in (doubt, depth)
+            )
+        far = (labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
+        depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
+        return SeenPicture(labels, depth.astype(np.float32), doubt, 0.0 if self._painted else _unlike(out))
+
+    def compare(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> tuple[float, float]:
+        """Return how far a picture is from real ones, and from painted ones, by a network that states both."""
+        real, painted = (float(apart) for apart in self._run(rgb, camera, attitude)[0]["unlike"][0])
+        return real, painted
+
+    def _run(
+        self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude
+    ) -> tuple[dict[str, NDArray[np.float32]], slice, slice]:
+        """Return the network's outputs, and where the picture lies in them."""
         width, height = size = self.fixed or network_size(camera)
         scale = min(width / camera.width, height / camera.height)
         inner = round(camera.width * scale), round(camera.height * scale)
@@ -76,20 +100,7 @@ class ReefNetEyes:
             view = replace(view, hfov_deg=math.degrees(2.0 * math.atan(0.5 * width / focal)))
         ground = ground_depth(view, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
         out = self.file.run(network_input(np.asarray(small, np.uint8), ground)[None])
-        rows, columns = slice(top, top + inner[1]), slice(left, left + inner[0])
-        logits = np.ascontiguousarray(out["logits"][0, :, rows, columns])
-        depth = out["depth"][0, 0, rows, columns]
-        labels, doubt = choose_labels(logits, OBSTACLE_FROM, self.oyster_from)
-        if not same:
-            full = (camera.width, camera.height)
-            labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)
-            doubt, depth = (
-                np.asarray(cv2.resize(np.ascontiguousarray(image), full, interpolation=cv2.INTER_NEAREST), np.float32)
-                for image in (doubt, depth)
-            )
-        far = (labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
-        depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
-        return SeenPicture(labels, depth.astype(np.float32), doubt, 0.0 if self._painted else _unlike(out))
+        return out, slice(top, top + inner[1]), slice(left, left + inner[0])
 
 
 def _unlike(out: dict[str, NDArray[np.float32]]) -> float:
