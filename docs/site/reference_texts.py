@@ -259,6 +259,7 @@ TIMING = {
 """Keys of timing.json."""
 PRODUCTS = {
     "recording": "Name of the run or recording.",
+    "lens": "How the lens disagrees with the pictures, if it does.",
     "keyframes": "Number of its pictures.",
     "oyster_area_m2 oyster_area_low_m2 oyster_area_high_m2": "Area of oysters, null if not judged; its interval.",
     "not_judged pictures_unlike": "Why nothing is judged, if so, and the number of pictures unlike those learned from.",

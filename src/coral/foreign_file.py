@@ -219,6 +219,23 @@ def read_taken(content: bytes) -> tuple[str, str, str]:
     return date, part, zone
 
 
+def read_orientation(content: bytes) -> int:
+    """Return how a picture should be turned by its Exif tag Orientation, 1 to 8; 1, as it lies, where it has none.
+
+    The beginning of the file is enough.
+    """
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "PNG")) as found:
+                turned = found.getexif().get(0x0112, 1)
+        return int(turned) if turned in range(1, 9) else 1
+    except Exception:  # its plugins raise all kinds
+        return 1
+
+
 def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | None:
     """Decode a PNG, JPEG, WebP, TIFF or BMP picture in one of OpenCV's modes, by default as stored; None if it is none.
 

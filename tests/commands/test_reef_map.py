@@ -1,6 +1,7 @@
 """`coral reef map`: recordings of every kind become the same map."""
 
 import csv
+import json
 import sys
 from pathlib import Path
 
@@ -140,6 +141,35 @@ def test_the_shipped_network_maps_a_recording(colour_run, tmp_path, told):
     assert code == 0, error
     assert made["perception"] == "painted"
     assert made["keyframes"] == 41
+
+
+def test_eyes_of_another_package_map_a_recording(colour_run, tmp_path, told, monkeypatch):
+    asked = []
+
+    def opened(name, **how):
+        asked.append(name)
+
+    monkeypatch.setattr(
+        "coral.commands.reef_map.has_plugin", lambda group, name: (group, name) == ("coral.eyes", "mine")
+    )
+    monkeypatch.setattr("coral.commands.reef_map.open_eyes", opened)
+    assert told("reef", "map", colour_run, "--perception", "mine", "--out", tmp_path / "m")[0] == 0
+    assert asked == ["mine"]
+
+
+def test_a_lens_that_disagrees_leads_and_a_turned_picture_is_told(colour_run, network, tmp_path, told, monkeypatch):
+    assert told("export", colour_run, "--to", "pictures", "--out", tmp_path / "x")[0] == 0
+    picture = tmp_path / "x/000003.jpg"
+    exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x03\0\0\0\0\0\0\0"  # 3: turned by 180 degrees
+    plain = picture.read_bytes()
+    picture.write_bytes(plain[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + plain[2:])
+    monkeypatch.setattr("coral.commands.reef_map.check_lens", lambda recording: "the lens disagrees with the pictures")
+    code, out, _ = told("reef", "map", tmp_path / "x", "--perception", network, "--out", tmp_path / "m")
+    assert code == 0
+    assert out.startswith("the lens disagrees with the pictures\n")
+    assert "000003.jpg has EXIF orientation 3: pixels are used as they lie in the file" in out
+    assert "The lens disagrees with the pictures." in (tmp_path / "m/products.html").read_text()
+    assert json.loads((tmp_path / "m/products.json").read_text())["lens"] == "the lens disagrees with the pictures"
 
 
 def test_recordings_that_lie_are_one_line(colour_run, network, tmp_path, told):

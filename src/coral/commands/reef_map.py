@@ -12,6 +12,7 @@ from coral.commands.reef_products import describe_products, make_products
 from coral.config import NonNegative, checked
 from coral.errors import InputError, nearest
 from coral.flags import Argument, Option
+from coral.plugins import has_plugin
 from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import RgbPerception
@@ -41,7 +42,8 @@ class ReefMap:
     default the recording's own."""
     perception: Annotated[str, Option(metavar="recorded|rgb|painted|FILE.onnx")] = RECORDED
     """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb or
-    painted: its colour pictures, by the network of CORAL for real or for painted ones. FILE.onnx: by one of yours."""
+    painted: its colour pictures, by the network of CORAL for real or for painted ones. FILE.onnx, or the name of an
+    entry point of the group `coral.eyes`: by yours."""
     depth: Annotated[Path | None, Option(metavar="FILE.onnx")] = None
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""
@@ -77,7 +79,8 @@ class ReefMap:
                 raise InputError(flag, "", start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "0 seconds or more")
-        eyes = self._eyes()
+        truth = true_reef(self.recording) if is_run(self.recording) else None
+        eyes = self._eyes(painted=truth is not None)
         named = self.perception if self.depth is None else f"{self.perception}, {self.depth}"
         recording = find_recording(
             self.recording,
@@ -95,27 +98,25 @@ class ReefMap:
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         if recording.datum is not None and self.datum is not None and (self.recording / TABLE).is_file():
             raise InputError("--datum", "", self.datum, f"none: {self.recording / TABLE} has lat and lon")
-        truth = true_reef(self.recording) if is_run(self.recording) else None
-        made = make_products(recording, self.cfg, self.datum, self.out, truth)
-        lens = check_lens(recording)
+        made = make_products(recording, self.cfg, self.datum, self.out, truth, check_lens(recording))
         about = [*recording.remarks, *(() if eyes is None else eyes.about)]
-        return {**made, "pictures_left_out": len(recording.omitted), "eyes": about, "lens": lens}
+        return {**made, "pictures_left_out": len(recording.omitted), "eyes": about}
 
-    def _eyes(self) -> RgbPerception | None:
+    def _eyes(self, *, painted: bool) -> RgbPerception | None:
         if self.perception == RECORDED:
             if self.depth is not None:
                 expected = "--perception rgb, painted or FILE.onnx, for the classes"
                 raise InputError("--depth", "", f"{self.depth} alone", expected)
             return None
         known = (RECORDED, RGB, PAINTED)
-        if self.perception not in known and not self.perception.endswith(".onnx"):
+        given = self.perception.endswith(".onnx") or has_plugin("coral.eyes", self.perception)
+        if self.perception not in known and not given:
             expected = f"{', '.join(known)} or FILE.onnx{nearest(self.perception, known)}"
             raise InputError("--perception", "", repr(self.perception), expected)
-        return open_eyes(self.perception, depth=str(self.depth or ""))
+        return open_eyes(self.perception, depth=str(self.depth or ""), painted=painted and self.perception == PAINTED)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         lines = [describe_products(result), *result["eyes"]]
-        lines += [result["lens"]] if result["lens"] else []
         if result["pictures_left_out"]:
             lines.append(f"left out for want of a pose: {many(result['pictures_left_out'], 'picture')}")
         return "\n".join(lines)

@@ -49,12 +49,17 @@ class ReefProducts:
 
 
 def make_products(
-    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: ReefWorld | None = None
+    recording: Recording,
+    cfg: ProductsCfg,
+    datum: str | None,
+    out: Path,
+    true: ReefWorld | None = None,
+    lens: str = "",
 ) -> dict[str, Any]:
     """Measure a recording, write all files into a new or empty folder, and return the main numbers.
 
     `datum` is LAT,LON[,HEADING], by default the recording's own. Only the comparison on the page sees the true reef;
-    None where nobody knows it.
+    None where nobody knows it. `lens` says how the lens disagrees with the pictures, and leads if it does.
 
     Raises:
         InputError: Something of it cannot be used.
@@ -67,13 +72,13 @@ def make_products(
     products = measure(recording, checked(cfg, "--cfg"))
     assert products.recording.start is not None
     placement = EarthPlacement(products.recording.start, where)
-    files = write_products(products, placement, out)
+    files = write_products(products, placement, out, lens)
     labels = write_labels(products.recording, products.keyframes, cfg.labels, out / ProductFiles.LABELS)
     files = sorted([*files, *(f"{ProductFiles.LABELS}{name}" for name in labels)])
     truth = None if true is None else TruthComparison.of(products, true)
-    page = write_products_page(products, placement, out, files, cfg.cover, truth)
+    page = write_products_page(products, placement, out, files, cfg.cover, truth, lens)
     compared = {} if truth is None else _compared(truth)
-    return {**summary(products, placement), **compared, "products": str(out), "page": str(page), "files": files}
+    return {**summary(products, placement, lens), **compared, "products": str(out), "page": str(page), "files": files}
 
 
 def _compared(truth: TruthComparison) -> dict[str, Any]:
@@ -91,7 +96,8 @@ def _compared(truth: TruthComparison) -> dict[str, Any]:
 def describe_products(result: Mapping[str, Any]) -> str:
     """Describe the products in a few lines."""
     why = str(result["not_judged"])
-    lines = [
+    lines = [result["lens"]] if result["lens"] else []
+    lines += [
         f"{result['recording']}: {why[:1].lower()}{why[1:]}; oysters may cover "
         f"{result['oyster_area_low_m2']:.0f} to {result['oyster_area_high_m2']:.2f} m² of what they show, "
         f"{many(result['keyframes'], 'picture')}"

@@ -80,6 +80,7 @@ def write_products_page(
     files: Sequence[str],
     cover: CoverCfg,
     truth: TruthComparison | None = None,
+    lens: str = "",
 ) -> Path:
     """Write `products.html`, which loads nothing from elsewhere, and return its path.
 
@@ -104,6 +105,7 @@ def write_products_page(
         size=size,
         keyframes=products.keyframes,
         headline=_headline(products),
+        lens=lens[:1].upper() + lens[1:],
         place=where,
         network=None if products.recording.seen_by in (RECORDED, EXACT) else products.recording.seen_by,
         calibrated=products.calibrated_reefs,

@@ -33,8 +33,8 @@ CLUSTER_COLUMNS, SHELL_COLUMNS, DENSITY_COLUMNS = (
 )
 
 
-def write_products(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> list[str]:
-    """Write all files into a folder, and return their names.
+def write_products(products: SurveyProducts, placement: EarthPlacement, folder: Path, lens: str = "") -> list[str]:
+    """Write all files into a folder, and return their names. `lens` says how the lens disagrees with the pictures.
 
     Raises:
         InputError: The folder is not new or empty, or a package of the extra geo is missing.
@@ -54,15 +54,18 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     write_table(folder / ProductFiles.SHELLS, SHELL_COLUMNS, _shells(products))
     for name, picture in zip(picture_names(products), products.pictures, strict=True):
         write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
-    write_whole(folder / ProductFiles.NUMBERS, (json.dumps(summary(products, placement), indent=2) + "\n").encode())
+    write_whole(
+        folder / ProductFiles.NUMBERS, (json.dumps(summary(products, placement, lens), indent=2) + "\n").encode()
+    )
     return sorted({str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()})
 
 
-def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, Any]:
+def summary(products: SurveyProducts, placement: EarthPlacement, lens: str = "") -> dict[str, Any]:
     """Return the main numbers."""
     datum = placement.datum
     return {
         "recording": products.recording.name,
+        "lens": lens,
         "keyframes": products.keyframes,
         "oyster_area_m2": round(products.area.m2, 3) if products.judgement.judged else None,
         "oyster_area_low_m2": round(products.area.low_m2, 3),

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.foreign_file import read_text
+from coral.foreign_file import read_head, read_orientation, read_text
 from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.recordings.local_plane import MOST_DEGREES, LocalPlane
@@ -35,6 +35,8 @@ _TURNS = {
     "yaw": "the direction of the camera, in radians from east; a position alone does not tell it",
 }
 _DECIMAL_COMMA = re.compile(r"[-+]?\d{1,12},\d{1,20}", re.ASCII)
+EXIF_BYTES = 300_000
+"""Exif tags lie in the first 64 kB of a JPEG file, behind at most a few other segments."""
 PICTURES = ("rgb", "depth", "labels", "doubt")
 """Columns of pictures; a run of a network has doubt."""
 
@@ -94,7 +96,20 @@ def placed_pictures(
         name=path.resolve().name, source=str(path), camera=camera.view, keyframes=keyframes, start=placed[0][1][0],
         seen_by=perception.name if perception else RECORDED,
         datum=None if plane is None else (plane.latitude, plane.longitude),
+        remarks=_turned(path, [names.get("rgb", "") for _, _, _, names in placed]),
     )  # fmt: skip
+
+
+def _turned(path: Path, names: list[str]) -> tuple[str, ...]:
+    """Return a line if a picture says that it should be turned: it is not."""
+    for name in filter(None, names):
+        try:
+            found = read_orientation(read_head(path / name, "a picture", EXIF_BYTES))
+        except InputError:  # told when it is read as a picture
+            continue
+        if found != 1:
+            return (f"{name} has EXIF orientation {found}: pixels are used as they lie in the file",)
+    return ()
 
 
 def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pose | None]:

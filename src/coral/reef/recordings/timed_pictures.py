@@ -17,14 +17,12 @@ from coral.errors import InputError
 from coral.foreign_file import read_bytes, read_head, read_taken
 from coral.limits import PICTURE_PIXELS, VIDEO_PICTURES, VIDEO_S
 from coral.reef.recordings.picture_files import Image, read_picture
-from coral.reef.recordings.picture_folder import Row, read_rows
+from coral.reef.recordings.picture_folder import EXIF_BYTES, Row, read_rows
 
 TIMES = "times.csv"
 PICTURES = (".jpg", ".jpeg", ".png", ".webp", ".tif", ".tiff")
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
 EXPECTED = f"a video, or pictures with {TIMES} (columns t, rgb), times in their names, or Exif"
-EXIF_BYTES = 300_000
-"""Exif tags lie in the first 64 kB of a JPEG file, behind at most a few other segments."""
 GREY, GREY_PICTURES = (72, 96), 36_000
 """Height and width of small grey pictures (px), and how many are taken at most: two hours at 5 Hz."""
 _UNIX = re.compile(r"(?<![\d.])([1-9]\d{9})(\d{9}|\d{6}|\d{3})?(?!\d)(\.\d+(?=\.))?")
