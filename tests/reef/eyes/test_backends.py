@@ -1,13 +1,9 @@
-from pathlib import Path
-
-import cv2
 import numpy as np
 import pytest
 
 from coral.errors import InputError
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.networks import own_network
 from coral.reef.vehicle.camera import CameraCfg
 
 
@@ -31,18 +27,6 @@ def test_a_shipped_network_sees_the_same_twice(name):
     assert first.labels.shape == first.depth.shape == first.doubt.shape == (120, 160)
     assert ((first.doubt >= 0.0) & (first.doubt <= 1.0)).all()
     assert np.array_equal(first.depth, again.depth)
-
-
-def test_a_painted_picture_is_familiar_to_the_network_for_painted_ones():
-    pytest.importorskip("onnxruntime")
-    path = Path(own_network.__file__).parent / "check_picture/rgb.jpg"
-    rgb = np.ascontiguousarray(cv2.imread(str(path))[..., ::-1])
-    camera = CameraCfg(width=rgb.shape[1], height=rgb.shape[0])
-    asked, sure = open_eyes("painted"), open_eyes("painted", painted=True)
-    seen, same = (eyes.perceive(rgb, camera, CameraAttitude()) for eyes in (asked, sure))
-    assert 0.0 < seen.unlike < 0.9
-    assert same.unlike == 0.0  # the simulator does not ask
-    np.testing.assert_array_equal(seen.labels, same.labels)
 
 
 def test_the_network_for_real_pictures_is_not_for_painted_ones():

@@ -6,7 +6,6 @@ from given_networks import given, one_hot
 
 from coral.errors import InputError
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.eyes.painted_only import PaintedOnlyEyes
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.vehicle.camera import CameraCfg
@@ -41,15 +40,6 @@ def test_pictures_of_another_size_are_scaled_and_so_is_the_result():
     seen = ReefNetEyes(given(outputs(), channels=4)).perceive(np.zeros((4, 8, 3), np.uint8), camera, CameraAttitude())
     assert seen.labels.tolist() == np.repeat(np.repeat(LABELS, 2, 0), 2, 1).tolist()
     assert seen.depth.shape == seen.doubt.shape == (4, 8)
-
-
-@pytest.mark.parametrize(("from_real", "from_painted", "judged"), [(1.0, 0.9, True), (0.4, 0.9, False)])
-def test_eyes_for_painted_pictures_ask_the_other_network_whether_one_is_painted(from_real, from_painted, judged):
-    real = given({**outputs(), "unlike": np.array([[from_real, from_painted]], np.float32)}, channels=4)
-    eyes = PaintedOnlyEyes(ReefNetEyes(given(outputs(), channels=4)), ReefNetEyes(real))
-    seen = eyes.perceive(np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude())
-    assert (seen.unlike < 1.0) is judged
-    assert seen.labels.tolist() == LABELS
 
 
 def test_another_layout_names_the_output():
