@@ -6,7 +6,7 @@ import pytest
 from contact_bench import changed
 
 from coral.cli import main
-from coral.commands.contact_run import HINT, KeyboardVerdict
+from coral.commands.contact_run import HINT, WAYS_ON, KeyboardVerdict
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.variants import VARIANTS, WHAT
 from coral.contact.scene.task_file import TASKS_DIR
@@ -65,7 +65,7 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
         (["pick-bx"], "did you mean 'pick-box'?"),
         (["pick-box", "--world", "pand"], "did you mean 'panda'?"),
         (["pick-box", "--variant", "expertt"], "did you mean 'expert'?"),
-        (["pick-box", "--advisor", "heuristics"], "did you mean 'heuristic'?"),
+        (["pick-box", "--advisor", "recordd"], "did you mean 'recorded'?"),
         (["pick-box", "--seed", "-1"], "--seed"),
         (["pick-box", "--samples", "0"], "--samples"),
         (["pick-box", "--samples", "100000000"], "samples"),
@@ -172,6 +172,33 @@ def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, ca
     assert error.count("\n") == 1
     assert all(way in error for way in ("--advisor PROVIDER:MODEL", "--advisor desk", "--cost FILE"))
     assert [path.name for path in tmp_path.iterdir()] == ["new.yaml"]
+
+
+@pytest.mark.parametrize("variant", ["unified", "unguided"])
+def test_a_task_that_is_recorded_for_other_variants_says_so(tmp_path, monkeypatch, capsys, variant):
+    monkeypatch.chdir(tmp_path)
+    assert main(["contact", "run", "open-drawer", "--variant", variant, "--quiet"]) == 1
+    error = capsys.readouterr().err
+    assert f"for the task 'open-drawer' with --variant {variant}, which has those of the paper's six tasks" in error
+    assert "--variant full, whose answers for open-drawer are recorded" in error
+    assert "remembered" not in error
+    assert WAYS_ON in error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_poses_that_nobody_recorded_tell_where_they_are_and_the_ways_on(tmp_path, capsys):
+    words = ["pick-box", "--world", "hand", "--variant", "no-tracking", "--quiet", "--out", str(tmp_path / "run")]
+    assert main(["contact", "run", *words, *SKIP]) == 1
+    error = capsys.readouterr().err
+    assert "for the paper's six tasks with --world panda and --seed 1000 to 1009" in error
+    assert WAYS_ON in error
+    assert "policy" not in error
+
+
+def test_the_help_of_the_hand_offers_no_rules(capsys):
+    for command, flag in (("run", "advisor"), ("bench", "advisors")):
+        assert main(["contact", command, "--help", flag]) == 0
+        assert "heuristic" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

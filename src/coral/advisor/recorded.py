@@ -61,9 +61,10 @@ class RecordedAdvisor:
         return await self._recordings[name].answer(question, rejections)
 
 
-def is_recorded(task: str) -> bool:
-    """Return whether a recording of a contact task comes with the package."""
-    return f"{CONTACT}{task}" in shipped_recordings()
+def is_recorded(task: str, variant: str = "full") -> bool:
+    """Return whether a recording of a contact task comes with the package; `unified` and `unguided` have their own."""
+    own = f"{variant}-"
+    return f"{own if own in (UNIFIED, UNGUIDED) else CONTACT}{task}" in shipped_recordings()
 
 
 def make_recorded(name: str, rest: str, setting: Setting) -> RecordedAdvisor:

@@ -110,14 +110,14 @@ GROUP = "coral.advisors"
 """Group of entry points by which other packages offer advisors."""
 
 
-def forms() -> str:
-    """Return all forms of our advisors, for help."""
-    return ", ".join(entry.form for entry in ENTRIES)
+def forms(*, rules: bool = True) -> str:
+    """Return all forms of our advisors, for help; those of rules only where the application has any."""
+    return ", ".join(entry.form for entry in ENTRIES if rules or not entry.rules)
 
 
-def advisor_help(first: str) -> str:
+def advisor_help(first: str, *, rules: bool = True) -> str:
     """Return the help of a flag that takes an advisor: the command's own sentence, then the available names."""
-    return f"{first}: {forms()}."
+    return f"{first}: {forms(rules=rules)}."
 
 
 def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
@@ -180,7 +180,7 @@ def make_advisor(
     spec = spec.strip()
     entry, rest = _split(spec)
     if entry is None:
-        raise InputError(where, "", repr(spec), _suggest_forms(spec))
+        raise InputError(where, "", repr(spec), _suggest_forms(spec, bool(rules)))
 
     def inner(text: str) -> Advisor:
         return make_advisor(text, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=mistakes)
@@ -217,18 +217,20 @@ def _plugin_entries() -> dict[str, AdvisorEntry]:
     }
 
 
-def _suggest_forms(spec: str) -> str:
+def _suggest_forms(spec: str, rules: bool) -> str:
     """Suggest valid forms for a string that names no advisor."""
     name, colon, rest = spec.partition(":")
     entry = _BY_NAME.get(name)
     if entry is not None and entry.takes and not rest:
         return f"all of {entry.form}"
     others = _plugin_entries()
-    known_forms = ", ".join([forms(), *others])
+    names = [each.name for each in ENTRIES if rules or not each.rules]
+    known_forms = ", ".join([forms(rules=rules), *others])
     known = next((other for start, other in OTHER_NAMES.items() if name.lower().startswith(start)), "")
+    known = known if rules or known != "heuristic" else ""
     if known in KEYS:
         model = rest if colon else spec
         return f"one of {known_forms} (did you mean '{known}:{model or 'MODEL'}'?)"
     if known:
         return f"one of {known_forms} (did you mean {known!r}?)"
-    return f"one of {known_forms}{nearest(name, [*_BY_NAME, *others], 0.7)}"
+    return f"one of {known_forms}{nearest(name, [*names, *others], 0.7)}"

@@ -114,7 +114,7 @@ class ContactBench(CampaignFlags):
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
-    advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = DEFAULT_ADVISOR
+    advisors: Annotated[str, Option(help=advisor_help("Separated by commas", rules=False))] = DEFAULT_ADVISOR
     poses: Literal["tracked", "ground-truth"] | None = None
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[str | None, Option(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")] = None

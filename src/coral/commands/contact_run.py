@@ -34,7 +34,7 @@ from coral.contact.episode.resolution import (
     check_combination,
     resolve_episode,
 )
-from coral.contact.episode.variants import ALONE, VARIANTS, AdvisorSetup, contact_advisor, contact_model
+from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, AdvisorSetup, contact_advisor, contact_model
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
@@ -54,6 +54,8 @@ from coral.words import many
 
 TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
 VERDICTS: dict[str, Literal["success", "failure"]] = {"s": "success", "f": "failure"}
+WAYS_ON = "ask a model (--advisor PROVIDER:MODEL), answer yourself (--advisor desk), or give a cost (--cost FILE)"
+"""What to do where nobody recorded an answer."""
 HINT = "Judge the episode: s and Enter for success, f and Enter for failure."
 
 
@@ -64,7 +66,9 @@ class ContactRun:
     task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task (see coral contact tasks) or a task file, which also sets the time limit (`time_limit_s`)."""
     arm: Annotated[RobotFlags, Option(name="")] = field(default_factory=RobotFlags)
-    advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = DEFAULT_ADVISOR
+    advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one", rules=False))] = (
+        DEFAULT_ADVISOR
+    )
     variant: Annotated[str, Option(names=VARIANTS)] = DEFAULT_VARIANT
     """Configuration of the pipeline: full asks the advisor; paper too, with the paper's prompt and 200 samples;
     no-memory, no-refinement, unguided, no-regions and no-tracking disable one part; unified asks one question for
@@ -162,7 +166,7 @@ class ContactRun:
         cost = None if self.cost is None else own_cost(self.cost, trial, cfg)
         unanswered = cost is None and self._is_unanswered(task.name)
         if unanswered and self.memory is None:
-            raise RunError(nobody_answered(task.name))
+            raise RunError(nobody_answered(task.name, self.variant))
         if cost is None and self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
@@ -179,15 +183,17 @@ class ContactRun:
         )
         episode.listeners.append(StandInNotice())
         result = self._attempt(episode, folder, cfg)
-        no_answer = cost is None and (unanswered or self.advisor == DEFAULT_ADVISOR)
-        if result["end_reason"] == "no-strategy" and no_answer:
-            raise RunError(nobody_answered(task.name))
+        if cost is None and self.variant not in ALONE and innermost(self.advisor)[1] == DEFAULT_ADVISOR:
+            if result["end_reason"] == "no-decision: poses":
+                raise RunError(nobody_read())
+            if result["end_reason"] == "no-strategy" and (unanswered or self.advisor == DEFAULT_ADVISOR):
+                raise RunError(nobody_answered(task.name, self.variant))
         return result
 
     def _is_unanswered(self, task: str) -> bool:
         """Return whether a recording answers, corrupted or not, that has nothing for the task."""
         recorded = innermost(self.advisor)[1] == DEFAULT_ADVISOR and self.variant not in ALONE
-        return recorded and not is_recorded(task)
+        return recorded and not is_recorded(task, self.variant)
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
@@ -239,11 +245,26 @@ def _recorder(advisor: str) -> str:
     return f"a {RECORDED_MODEL}" if innermost(advisor)[1] == DEFAULT_ADVISOR else "the recording"
 
 
-def nobody_answered(task: str) -> str:
-    """Return the line for a task without recorded answers: the ways on."""
+def nobody_answered(task: str, variant: str) -> str:
+    """Return the line for a task without recorded answers: why there are none, and the ways on."""
+    if is_recorded(task, variant):
+        return f"no recorded answer for the task {task!r} passes the checks of this trial: {WAYS_ON}"
+    if is_recorded(task):
+        return (
+            f"nobody recorded answers for the task {task!r} with --variant {variant}, which has those of the paper's "
+            f"six tasks alone: take one of these, or --variant full, whose answers for {task} are recorded; "
+            f"or {WAYS_ON}"
+        )
+    memory = " and no remembered plan fits" if variant in REMEMBERING else ""
+    return f"nobody recorded answers for the task {task!r}{memory}: {WAYS_ON}"
+
+
+def nobody_read() -> str:
+    """Return the line for a picture without recorded poses, where nothing tracks the objects."""
     return (
-        f"nobody recorded answers for the task {task!r} and no remembered plan fits: "
-        "ask a model (--advisor PROVIDER:MODEL), answer yourself (--advisor desk), or give a cost (--cost FILE)"
+        "nobody recorded the poses of the objects in this picture, and --variant no-tracking has no others: they are "
+        "recorded for the paper's six tasks with --world panda and --seed 1000 to 1009; take one of these, track the "
+        f"objects (--variant full), {WAYS_ON}"
     )
 
 

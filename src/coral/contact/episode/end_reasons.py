@@ -19,7 +19,7 @@ END_REASONS = {
     "watchdog": "the arm was stopped because the program showed no sign of life",
     "arm-fault": "the arm refused to obey",
     "no-strategy": "no answer of the advisor contained a usable plan",
-    "no-decision": "the advisor did not decide, and its fallback policy lets nothing else decide",
+    "no-decision": "the advisor did not decide, and nothing else could or was allowed to",
     "advisor failed": "the advisor did not decide, and the fallback policy ends the run",
     "cost-error": "the cost could not be evaluated, and no repair was left or none helped",
     "no-plan": "25 plans in a row had no usable rollout, or a plan contained a value that is not a number",

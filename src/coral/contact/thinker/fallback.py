@@ -18,10 +18,12 @@ class NoDecision(RuntimeError):
 
     def __init__(self, policy: StandIn, what: str, failure: str) -> None:
         self.end_reason = failed(failure) if policy == "fail" else f"no-decision: {what}"
-        super().__init__(
-            f"the advisor did not decide on the {what} ({failure}), "
-            f"and the fallback policy {policy!r} lets nothing else decide"
+        why = (
+            "nothing can stand for it"
+            if policy == "prior"
+            else f"the fallback policy {policy!r} lets nothing else decide"
         )
+        super().__init__(f"the advisor did not decide on the {what} ({failure}), and {why}")
 
 
 def stand_in(emit: Callable[..., None], policy: StandIn, what: str, failure: str, by: str) -> None:
