@@ -213,7 +213,7 @@ MUST_SAY = {
         "It pushes.",
         "4.25",
         "reach .75",
-        "begins at its first stage",
+        "goes on at `begin`, or else at its first stage",
         "stiffness",
     ],
     "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "keep the values", "1.5", "4.25", "Example"],

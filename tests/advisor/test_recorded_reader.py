@@ -104,6 +104,7 @@ def test_the_prompts_have_changed_since():
         "physical-parameters",
         "reef-centroid",
         "reef-waypoint",
+        "unified",
     }
 
 

@@ -7,6 +7,7 @@ from coral.advisor.prompt import render
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.quantities import task_schema_of
+from coral.contact.plan.plan_check import OPENING_M
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import condition_text, planner_text, scene_text, success_text, world_prompt
@@ -14,6 +15,10 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.mppi.knots import KnotMppiCfg
 
 BOX = plain()["objects"][0]
+REPAIR = {"attempts": 3, "code": "pass"} | dict.fromkeys(
+    ("stage", "diagnosis", "evidence", "corrected", "earlier", "advice", "regions", "history", "terms"), ""
+)
+REPAIR |= {"explanation": "", "error": ""}
 AT = {"object": "box", "kind": "at", "place": "goal", "point": None, "tolerance_m": 0.02, "axes": "xy"}
 
 
@@ -122,3 +127,25 @@ def test_the_planner_tells_that_its_plans_are_late():
     assert "a plan takes 0.12 s, in which the hand follows" in planner_text(
         dataclasses.replace(LIMITS, late_s=0.1200001)
     )
+
+
+def test_the_planner_tells_its_reach_and_the_base_and_limits_of_an_arm_where_there_is_one():
+    flying, arm = planner_text(LIMITS), planner_text(dataclasses.replace(LIMITS, arm=True))
+    clip = "The wrist 0.103 m behind it stays within 0.855 m of [-0.5, 0, 0.333]"
+    assert f"{clip}. " in flying
+    assert "Panda" not in flying
+    assert f"{clip} (shoulder of a Panda based at [-0.5, 0, 0], whose joint limits and links exclude more). " in arm
+    unbound = dataclasses.replace(LIMITS.controller, reach_m=0.0)
+    assert "wrist" not in planner_text(dataclasses.replace(LIMITS, controller=unbound))
+
+
+@pytest.mark.parametrize(("kind", "more"), [("cost-function", {}), ("cost-repair", REPAIR)])
+def test_a_prompt_tells_the_range_of_openings_and_where_a_plan_begins(kind, more):
+    trial = make_trial()
+    facts = scene_facts(trial, seen(trial), {"box": PhysicalParameters(1.5, 0.4)})
+    world = world_prompt(facts, trial.task, task_schema_of(trial.task), ThinkCfg(), LIMITS)
+    text = render(kind, {**world, **more})[0]
+    assert f"`opening` (there, {OPENING_M[0]:g} to {OPENING_M[1]:g} m)" in text
+    assert ("`begin`: the stage to go on with, if not the first" in text) == bool(more)
+    assert ("Your plan goes on at `begin`, or else at its first stage" in text) == bool(more)
+    assert ("Your plan begins at its first stage" in text) == (not more)

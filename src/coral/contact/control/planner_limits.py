@@ -22,6 +22,8 @@ class PlannerLimits:
     """Simulated time that passes while a plan is computed; 0 if the world stands still."""
     press_n: float = ReactiveCfg().force_limit_n
     """The largest force with which the hand presses."""
+    arm: bool = False
+    """Whether the hand is an arm's, and does not fly."""
 
     @property
     def horizon_s(self) -> float:

@@ -150,7 +150,8 @@ class Episode:
         """Return what the planner can do now: a measured latency varies."""
         cfg, step_s = self.cfg, self.cfg.planning.step_s
         replan_s = self.latency.expected_steps() * step_s
-        return PlannerLimits(cfg.controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
+        force_n, arm = cfg.reactive.force_limit_n, self.world.name != "hand"
+        return PlannerLimits(cfg.controller, step_s, replan_s, self.latency.plan_s, force_n, arm)
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
         """Run to the end and return metrics and timing together.

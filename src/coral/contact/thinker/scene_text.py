@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M, HandCfg
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M, HandCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
@@ -38,6 +38,9 @@ HAND = (
     f"{SQUEEZE.finger_force_n:g} N at most."
 )
 
+SHOULDER_UP_M = 0.333
+"""Height of the Panda's shoulder above its base."""
+
 
 def planner_text(limits: PlannerLimits) -> str:
     """Describe what the planner of this run can do: horizon, speeds, force, workspace."""
@@ -51,14 +54,26 @@ def planner_text(limits: PlannerLimits) -> str:
         else f" It avoids pressing with more than {limits.free_n:g} N on table and fixed things unless the cost "
         "reads the hand's force or contact there."
     )
+    wrist = (
+        f" The wrist {FLANGE_TO_TOOL_M:.3f} m behind it stays within {cfg.reach_m:g} m of "
+        f"{_vector(cfg.shoulder_m)}{_arm_text(cfg.shoulder_m) if limits.arm else ''}."
+        if cfg.reach_m
+        else ""
+    )
     return (
         f"The planner compares {cfg.mppi.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
         f"{cfg.speed_m_s:g} m/s, turns {cfg.turn_rad_s:g} rad/s, has its target {100 * cfg.lead_m:g} cm ahead "
         f"at most, presses with {limits.press_n:g} N; fingers open at {cfg.opening_m_s:g} m/s. ee_pos stays within "
-        f"{bounds} m. It wanders by up to 1 cm about where a distance would be 0: let conditions allow 2. At a face, "
-        f"half a finger keeps ee_pos 1 cm off: a distance to the face itself presses.{kept}"
+        f"{bounds} m.{wrist} It wanders by up to 1 cm about where a distance would be 0: let conditions allow 2. "
+        f"At a face, half a finger keeps ee_pos 1 cm off: a distance to the face itself presses.{kept}"
     )
+
+
+def _arm_text(shoulder_m: Sequence[float]) -> str:
+    """Describe the arm whose shoulder this is: its base, and what bounds the hand beside its reach."""
+    base = (*shoulder_m[:2], shoulder_m[2] - SHOULDER_UP_M)
+    return f" (shoulder of a Panda based at {_vector(base)}, whose joint limits and links exclude more)"
 
 
 def world_prompt(
