@@ -73,7 +73,7 @@ def settings(of: str, key: str = "") -> str:
 
 
 def departures(of: str) -> str:
-    """Return the keys whose default departs from the paper."""
+    """Return the keys whose default departs from the paper, and what departs without a key."""
     rows = ListConfig(of=of, departures=True)()["keys"]
     return table(
         "key | default | what", ((f"`{row['key']}`", f"{row['default']} {row['unit']}", row["text"]) for row in rows)

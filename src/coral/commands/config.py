@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+from coral.commands.departures import departs, rows_without_key
 from coral.commands.unread_settings import refused_by
 from coral.configurations import CONFIGURATIONS
 from coral.errors import InputError, nearest
@@ -17,8 +18,6 @@ from coral.help_page import first_sentence
 from coral.surface import described, load
 
 WIDTH = 120
-DEPARTS = "Departs from the paper:"
-"""Begins the sentence beside a default that says how, and why."""
 UNITS = {
     "m": "m", "mm": "mm", "m2": "m²", "s": "s", "ms": "ms", "1_s": "1/s", "m_s": "m/s", "m_s2": "m/s²",
     "deg": "deg", "deg_s": "deg/s", "rad": "rad", "rad_s": "rad/s", "hz": "Hz",
@@ -37,7 +36,7 @@ class ListConfig:
     key: Annotated[str, Argument(metavar="[KEY]")] = ""
     """A key, such as pilot.trigger.stuck_s, or a group of keys, such as pilot.trigger."""
     departures: bool = False
-    """Only keys whose default departs from the paper, with the reason."""
+    """What departs from the paper, with the reason: keys by their default, groups of keys, and code without a key."""
     config: Path | None = None
     """Show the values of this YAML file where it has some, such as the config.yaml of a run."""
     variant: str | None = None
@@ -54,8 +53,9 @@ class ListConfig:
         values = self._values(place)
         asked = re.sub(rf"^({flag}|{flag[2:]})\.", "", self.key).replace("-", "_").strip(".")
         chosen = [each for each in about.flags if f"{'.'.join(each.field)}.".startswith(f"{asked}." if asked else "")]
-        chosen = [each for each in chosen if not self.departures or DEPARTS in each.text]
-        if not chosen:
+        chosen = [each for each in chosen if not self.departures or departs(each.text)]
+        more = rows_without_key(self.of, place, asked) if self.departures else []
+        if not chosen and not more:
             keys = [".".join(each.field[:n]) for each in about.flags for n in range(1, len(each.field) + 1)]
             raise InputError(f"coral config {self.of}", "", repr(self.key), f"one of its keys{_near(asked, keys)}")
         groups = {group.prefix.removeprefix("--").replace("-", "_"): group.text for group in about.groups}
@@ -63,7 +63,7 @@ class ListConfig:
             "configuration": self.of,
             "key": asked,
             "text": groups.get(asked, about.text) if len(chosen) > 1 else about.text,
-            "keys": [_row(self.of, each, flag, values) for each in chosen],
+            "keys": [*(_row(self.of, each, flag, values) for each in chosen), *more],
         }
 
     def _values(self, place: str) -> Any:
@@ -84,9 +84,10 @@ class ListConfig:
     def describe(self, result: Mapping[str, Any]) -> str:
         rows = result["keys"]
         if self.departures:
+            shown = (f" = {_amount(row)}" if row["flag"] else "" for row in rows)
             return "\n".join(
-                textwrap.fill(f"{row['key']} = {_amount(row)}: {row['text']}", WIDTH, subsequent_indent="  ")
-                for row in rows
+                textwrap.fill(f"{row['key']}{amount}: {row['text']}", WIDTH, subsequent_indent="  ")
+                for row, amount in zip(rows, shown, strict=True)
             )
         if len(rows) == 1 and rows[0]["key"] == result["key"]:
             return _explained(rows[0])

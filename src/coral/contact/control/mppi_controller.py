@@ -65,7 +65,8 @@ class ControllerCfg:
     """Force of the hand on table and fixtures that costs nothing, in stages that keep off these."""
     press_weight: NonNegative = 1.0
     """What 10 N more cost there, in standard deviations of the samples' costs, so that it means the same for every
-    cost: among samples that are equally good otherwise, the ones that do not press win. 0: nothing."""
+    cost: among samples that are equally good otherwise, the ones that do not press win. 0: nothing. Departs from the
+    paper: its cost is the advisor's alone (0, as under `--variant paper`)."""
 
     def __post_init__(self) -> None:
         """Check that the corners make a box."""

@@ -49,7 +49,11 @@ class Stage:
 
 @dataclass(frozen=True)
 class Strategy:
-    """Stages in order; a single stage is a single cost."""
+    """Stages in order; a single stage is a single cost.
+
+    Departs from the paper: it minimises one J for the whole task. Here an answer may have up to 64 stages, each with a
+    cost, an end and ways to others, because long tasks need them; the prompt `paper` asks for one J.
+    """
 
     name: str
     stages: tuple[Stage, ...]

@@ -122,7 +122,12 @@ class MemoryCfg:
 
 
 class Memory:
-    """Stores experiences and retrieves them from an SQLite file, created at the first success."""
+    """Stores experiences and retrieves them from an SQLite file, created at the first success.
+
+    Departs from the paper: it recalls by the meaning of task and scene. Here the conditions of the task file have to be
+    of the same kinds, and numbers of the scene and wording choose among what is left, so that no plan for another
+    goal is offered; under `--variant paper`, too.
+    """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
         self.store = SqliteStore(Path(where))

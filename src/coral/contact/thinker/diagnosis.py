@@ -1,4 +1,8 @@
-"""Diagnosis of a failing attempt from its history (3.4, A.9)."""
+"""Diagnosis of a failing attempt from its history (3.4, A.9).
+
+Departs from the paper: there the model finds out what failed. Here rules name it, with the evidence, and the question
+for a repair tells both; the prompt `paper` tells neither.
+"""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ from coral.contact.scene.observation import Transition
 from coral.contact.thinker.plan_note import PlanNote
 
 REPAIR_ROWS = 3
-"""Rows of the history in a question for another plan: the paper's five leave too little room for the rest in 3,000
-tokens, and the evidence is in sentences beside them."""
+"""Rows of the history in a question for another plan. Departs from the paper: its five rows, which the prompt
+`paper` has, leave too little room for the rest in 3,000 tokens, and the evidence is in sentences beside them."""
 
 
 def recent(

@@ -50,7 +50,8 @@ class LocalizationCfg:
 
     drift_xy: NonNegative = 0.0
     """Random walk of the odometry's position along each axis (m/√s), as its data sheet or a trial gives it. With this
-    and the next at 0 the odometry is taken as it is, as in the paper, whose positions are exact."""
+    and the next at 0 the odometry is taken as it is. Departs from the paper: above 0 the robot finds its place by
+    landmarks; its positions are exact, as at 0."""
     drift_theta: NonNegative = 0.0
     """The same of its heading (rad/√s)."""
     use_covariance: bool = True

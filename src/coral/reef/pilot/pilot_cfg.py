@@ -24,7 +24,8 @@ class PilotCfg:
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     fallback: Fallback = FOR_RUNS
     """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
-    asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone."""
+    asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone. Departs
+    from the paper: its model always answers."""
     synchronous: bool = False
     """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
     action_s: float = 1.0
