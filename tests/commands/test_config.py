@@ -1,10 +1,8 @@
 import json
 import re
-from pathlib import Path
 
 import pytest
 
-import coral
 from coral.cli import main
 
 
@@ -92,49 +90,3 @@ def test_a_mistake_is_one_line(capsys, words, said):
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert re.search(said, err)
-
-
-def test_departures_from_the_paper_are_listed_from_the_code(told):
-    listed = told("reef", "--departures")
-    keys = [line.split(" = ")[0] for line in listed.splitlines() if " = " in line and not line.startswith(" ")]
-    assert {"planner.algorithm", "pilot.trigger.cooldown_s", "belief.inspect.enabled", "planner.route.ahead"} <= set(
-        keys
-    )
-    rows = [line for line in listed.splitlines() if not line.startswith(" ")]
-    assert " ".join(listed.split()).count("Departs from the paper:") == len(rows) > len(keys)
-    assert max(map(len, listed.splitlines())) <= 120
-    assert told("reef", "pilot.trigger", "--departures").startswith(
-        "pilot.trigger.cooldown_s = 5 s: T_cooldown. Departs"
-    )
-
-
-@pytest.mark.parametrize(
-    ("of", "words"),
-    [
-        (
-            "contact",
-            ["controller.mppi: ", "48 fine samples", "controller.press_weight = 1: ", "one J for the whole task"],
-        ),
-        ("contact", ["contact/memory/memory.py: ", "meaning of task and scene", "T2, `pick-box`", "rules name it"]),
-        ("reef", ["five points", "a refusal names", "`explore_rest`", "when the answer is needed", "dots with `?`"]),
-        (
-            "reef",
-            ["a tree with branches", "localization.drift_xy = 0: ", "`planner.finished`", "pilot.fallback = rules: "],
-        ),
-    ],
-)
-def test_departures_of_groups_and_of_code_without_a_key_are_in_the_same_list(told, of, words):
-    listed = " ".join(told(of, "--departures").split())
-    assert [word for word in words if word not in listed] == []
-
-
-def test_every_sentence_about_a_departure_is_listed(told):
-    for of in ("reef", "contact"):
-        files = (Path(coral.__file__).parent / of).rglob("*.py")
-        said = sum(" ".join(file.read_text().split()).count("Departs from the paper:") for file in files)
-        assert " ".join(told(of, "--departures").split()).count("Departs from the paper:") == said
-
-
-def test_departures_of_one_group_are_its_keys_and_groups_alone(told):
-    assert told("contact", "controller.mppi", "--departures").startswith("controller.mppi: The sampler")
-    assert "memory.py" not in told("contact", "controller", "--departures")
