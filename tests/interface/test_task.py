@@ -112,7 +112,7 @@ def test_plan_and_reset_are_all_that_a_controller_needs(short_task, latency, tmp
         ("pick-box", {"seed": -1}, "--seed"),
         ("pick-box", {"samples": 0}, "--samples"),
         ("pick-box", {"variant": "expertt"}, "did you mean 'expert'"),
-        ("pick-box", {"advisor": "heuristics"}, "did you mean 'heuristic'"),
+        ("pick-box", {"advisor": "recordd"}, "did you mean 'recorded'"),
         ("pick-box", {"advisor": "recorded", "cost": reach}, "a cost of your own asks nobody"),
         ("pick-box", {"cost": reach, "variant": "expert"}, "also --variant expert"),
         ("pick-box", {"cost": lambda state: state.bocks_pos}, "no quantity 'bocks_pos'"),

@@ -44,7 +44,7 @@ def shown_pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
             encoded[digest] = webp_url(_shrunk(image, width)[..., ::-1], quality)
             if sum(map(len, encoded.values())) > PICTURE_BUDGET:
                 break
-        if len(encoded) == len(images):
+        else:
             break
     return encoded
 
