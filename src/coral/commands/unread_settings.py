@@ -24,7 +24,13 @@ _TRAINED = (
 )
 _OF_TRAINING = ("without", "reefs", "steps", "batch", "device", "limit-s", "begin", "threads", "out")
 _PD = {"controller": "nothing: --cfg.controller is DDP-MPPI's, and a PD controller drives"}
-_EXPERTS = {"think": "nothing: an expert's costs are written by hand, and nobody is asked"}
+_NOBODY_ASKED = dict.fromkeys(
+    ("think", "sight", "--fallback", "--model", "--inbox", "--preflight"), "nothing: no advisor is asked"
+)
+_POLICY = dict.fromkeys(
+    ("replan_steps", "planning", "controller.mppi", "poses", "tracked", "--samples", "--poses"),
+    "--cfg.policy: a policy plans nothing, and sees pictures alone",
+)
 UNREAD: dict[str, dict[str, str]] = {
     "reef run": _AT_SEA,
     "reef bench": {"record": "nothing: it keeps no pictures and no report", **_AT_SEA},
@@ -32,10 +38,12 @@ UNREAD: dict[str, dict[str, str]] = {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "simulator.stills": "nothing: a camera at sea has its own pictures",
     },
-    "reef run --cfg.driver=pd": _PD,
-    "reef run --variant=pd": _PD,
-    "contact run --variant=expert": _EXPERTS,
-    "contact run --variant=expert-fsm": _EXPERTS,
+    **dict.fromkeys(("reef run --cfg.driver=pd", "reef bench --cfg.driver=pd", "reef sail --cfg.driver=pd"), _PD),
+    **dict.fromkeys(("reef run --variant=pd", "reef bench --variants=pd"), _PD),
+    "contact run --variant=expert": _NOBODY_ASKED,
+    "contact run --variant=expert-fsm": _NOBODY_ASKED,
+    "contact run --cost": _NOBODY_ASKED,
+    "contact run --policy": _NOBODY_ASKED | _POLICY,
     "reef eyes train": dict.fromkeys(("--perception", "--worlds", "--waters"), _TRAINED),
     "reef eyes score": dict.fromkeys((f"--{name}" for name in _OF_TRAINING), _SCORED),
     "reef eyes score --labelled": dict.fromkeys(

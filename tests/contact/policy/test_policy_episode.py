@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
+from config_reads import watched
 from coral.campaign.dataset import read_parquet
-from coral.cli import main
+from coral.cli import _parse, main
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.policy_cfg import LiberoCfg, PolicyCamerasCfg, PolicyCfg
@@ -231,6 +232,16 @@ def test_the_command_runs_a_served_policy_and_makes_its_report(serve, task, tmp_
     assert (config["variant"], config["policy"], config["server"]) == ("pi05", server.url, "{'model': 'fake'}")
     assert main([*words[:-1], str(tmp_path / "other"), *TINY]) == 0
     assert "2 answers of" in capsys.readouterr().out
+
+
+def test_of_the_planner_a_policy_reads_the_workspace_alone(serve, task, tmp_path):
+    words = ["--world", "hand", "--policy", serve().url, "--out", str(tmp_path / "run"), *TINY]
+    command = _parse("contact run", [task, *words])
+    with watched(command.cfg) as reads:
+        command()
+    groups = ("planning.", "controller.", "tracked.", "sight.")
+    read = {key for key in reads.by_key if key.startswith(groups)}
+    assert read == {"controller.workspace_low_m", "controller.workspace_high_m"}
 
 
 def test_no_server_is_one_line_and_no_folder(task, tmp_path, capsys):
