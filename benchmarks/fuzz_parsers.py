@@ -191,22 +191,14 @@ def sonar_parsers(refused: type[Exception]) -> dict[str, Parser]:
     """Return the parsers of a Sonar 3D-15's packets, if its decoder is installed."""
     import numpy as np
 
-    from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
+    from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol
     from coral.reef.vehicle.range_image import RangeImage
 
     with suppress(InputError):
         load_protocol()
         ping = SonarPing(RangeImage(np.full((4, 8), 2.0), 90.0, 40.0), 1.0, 3)
         packets = tuple(encode_packet(ping, protocol=version) for version in (1, 2))
-
-        def read_file(path: Path) -> object:
-            with path.open("rb") as file:
-                return [decode_packet(packet) for packet in read_packets(file)]
-
-        return {
-            "sonar packet": Parser(lambda path: decode_packet(path.read_bytes()), packets, (refused,)),
-            "sonar file": Parser(read_file, (packets[0] + packets[1],), (refused,)),
-        }
+        return {"sonar packet": Parser(lambda path: decode_packet(path.read_bytes()), packets, (refused,))}
     return {}
 
 

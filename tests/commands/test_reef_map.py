@@ -75,11 +75,6 @@ def test_pictures_with_an_autopilots_log(network, tmp_path, told):
         assert (code, error.count("\n"), said in error) == (2, 1, True), error
 
 
-def test_a_sonars_start_without_its_file_is_refused(survey_run, tmp_path, told):
-    code, _, error = told("reef", "map", survey_run, "--sonar-start-s", "1", "--out", tmp_path / "o")
-    assert (code, "--sonar-start-s: found 1.0, expected --sonar-file" in error) == (2, True)
-
-
 @pytest.fixture(scope="module")
 def colour_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("survey") / "patch-001"

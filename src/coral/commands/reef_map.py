@@ -25,7 +25,6 @@ from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run, true_reef
-from coral.reef.recordings.sonar_file import add_sonar_file
 from coral.words import many
 
 
@@ -57,11 +56,6 @@ class ReefMap:
     1970 in a .tlog, since the autopilot's start in most .BIN). By default both clocks agree."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
-    sonar_file: Annotated[Path | None, Option(metavar="FILE.sonar")] = None
-    """A recording of a Sonar 3D-15 that hung beside the camera: packets as its own page or wlsonar writes them. Its
-    tilt is --sonar.pitch-down-deg."""
-    sonar_start_s: float | None = None
-    """Time of the recording at which --sonar-file begins (s). By default both clocks agree."""
     sonar: SonarCfg = field(default_factory=SonarCfg)
     """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
     bag's."""
@@ -73,10 +67,8 @@ class ReefMap:
     """How products are made."""
 
     def __call__(self) -> Mapping[str, Any]:
-        starts = (("--sonar-start-s", self.sonar_start_s), ("--pictures-start-s", self.pictures_start_s))
-        for flag, start_s in starts:
-            if start_s is not None and not math.isfinite(start_s):
-                raise InputError(flag, "", start_s, "a number of seconds")
+        if self.pictures_start_s is not None and not math.isfinite(self.pictures_start_s):
+            raise InputError("--pictures-start-s", "", self.pictures_start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "0 seconds or more")
         truth = true_reef(self.recording) if is_run(self.recording) else None
@@ -91,10 +83,6 @@ class ReefMap:
             sonar=checked(self.sonar, "--sonar"),
             pictures_start_s=self.pictures_start_s,
         )
-        if self.sonar_file is not None:
-            recording = add_sonar_file(recording, self.sonar_file, self.sonar, self.sonar_start_s)
-        elif self.sonar_start_s is not None:
-            raise InputError("--sonar-start-s", "", self.sonar_start_s, "--sonar-file beside it")
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         if recording.datum is not None and self.datum is not None and (self.recording / TABLE).is_file():
             raise InputError("--datum", "", self.datum, f"none: {self.recording / TABLE} has lat and lon")

@@ -38,8 +38,9 @@ def test_a_range_finder_gives_the_height_of_a_tilted_vehicle(tmp_path):
     assert found["z"] == pytest.approx(2.0 * math.cos(math.radians(10.0)), abs=1e-5)
 
 
-def test_satellites_alone_give_degrees_and_the_time(tmp_path):
-    fixes = [("GPS", 2.0 + k, 3, 320_000 + 1000 * k, 2260, 480000000 + 100 * k, 90000000) for k in range(3)]
+def test_places_alone_give_degrees_and_a_satellite_the_time(tmp_path):
+    fixes = [("POS", 2.0 + k, 480000000 + 100 * k, 90000000) for k in range(3)]
+    fixes.append(("GPS", 2.0, 3, 320_000, 2260, 480000000, 90000000))
     turns = [("ATT", 2.0 + 0.5 * k, 0, 0, 9000) for k in range(6)]
     track = read_log(log(tmp_path, dataflash(*fixes, *turns)))
     assert track.span == pytest.approx((1_682_813_102.0, 1_682_813_104.0))

@@ -1,4 +1,3 @@
-import io
 import struct
 import sys
 import zlib
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 from coral.errors import InputError
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea import sonar_packets
-from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
+from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol
 from coral.reef.vehicle.range_image import RangeImage
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
@@ -133,30 +132,6 @@ def survives(packet):
     except UnfitMeasurement:
         return
     assert ping is None or ((ping.image.ranges > 0.0).all() and ping.image.ranges.size <= sonar_packets.MOST_BEAMS)
-
-
-def test_a_recording_is_packets_one_after_another():
-    first, second = encode_packet(SonarPing(image(1))), encode_packet(SonarPing(image(2)), protocol=1)
-    assert list(read_packets(io.BytesIO(first + second))) == [first, second]
-    assert list(read_packets(io.BytesIO())) == []
-
-
-@pytest.mark.parametrize(
-    ("name", "rest"),
-    [
-        ("wrong identifier", b"garbage!"),
-        ("cut off", message()[:20]),
-        ("wrong identifier", b"RI"),
-        ("wrong length", b"RIP2\xff\xff\xff\xff"),
-        ("wrong length", b"RIP2\x00\x00\x00\x00"),
-    ],
-)
-def test_a_damaged_recording_is_read_up_to_the_damage(name, rest):
-    found = read_packets(io.BytesIO(message() + rest))
-    assert next(found) == message()
-    with pytest.raises(UnfitMeasurement) as error:
-        next(found)
-    assert error.value.reason == name
 
 
 def test_without_the_package_one_line_says_what_to_install(monkeypatch):

@@ -85,17 +85,15 @@ def read_log(path: Path) -> LogTrack:
         samples = read_dataflash(content) if path.suffix.lower() == ".bin" else read_telemetry(content, where)
         series, unread = _sort(samples, where)
     states = series.get("standing", [])
-    known = {
-        kind: [one for one in series.get(kind, []) if kind == "fix" or not _stands(states, one[0])]
-        for kind in ("position", "place", "fix")
-    }
-    place = known["place"] or known["fix"]
-    position = known["position"] or place
+    position, place = (
+        [one for one in series.get(kind, []) if not _stands(states, one[0])] for kind in ("position", "place")
+    )
+    position = position or place
     if not position:
         raise InputError(
             where, "position",
             "an estimator that stood still for want of a DVL or a GPS" if states else "no messages",
-            "LOCAL_POSITION_NED or GLOBAL_POSITION_INT, or in a .BIN XKF1, POS or GPS; otherwise poses.csv",
+            "LOCAL_POSITION_NED or GLOBAL_POSITION_INT, or in a .BIN XKF1 or POS; otherwise poses.csv",
         )  # fmt: skip
     if not series.get("attitude"):
         raise InputError(where, "attitude", "no messages", "ATTITUDE (.tlog) or ATT (.BIN)")

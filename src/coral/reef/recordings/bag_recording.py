@@ -19,8 +19,7 @@ from coral.reef.map.echo_points import project_points
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
-from coral.reef.recordings.frame_tree import MAP, BodyTrack, frame_name, points_down
-from coral.reef.recordings.gps_track import FIX, IMU, GpsTrack, read_gps, topic_of
+from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.pose_track import NEAR_S, ONE_CLOCK, ClockBackError
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
@@ -55,10 +54,6 @@ class BagTopics:
     sonar: str = "/sonar/points"
     """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
     odometry: str = "/odometry"
-    gps: str = "/gps/fix"
-    """NavSatFix; read if there is no odometry. The only topic of this type is found by itself, as is that of Imu."""
-    imu: str = "/imu/data"
-    """Imu, whose orientation is the heading where positions are by GPS alone."""
     map: str = "/map"
     """OccupancyGrid whose extent and cells the new map takes over, if it is there."""
 
@@ -96,7 +91,10 @@ def read_bag(
     bag = Bag(path)
     where = bag.where
     contents = _collect(bag, topics)
-    gps = None if contents.track.odometry.times else _by_gps(bag, topics, contents)
+    track = contents.track
+    if not track.odometry.times:
+        told = "no messages" + "".join(f"; {remark}" for remark in bag.remarks)
+        raise InputError(where, topics.odometry, told, f"nav_msgs/Odometry; {_known(contents)}")
     kinds = {
         topics.doubt: "doubt", topics.classes: "labels", topics.depth: "depth", topics.image: "rgb",
     }  # fmt: skip
@@ -107,7 +105,6 @@ def read_bag(
     if perception is None and contents.counts.get(topics.doubt):
         pictured.append(topics.doubt)
     found = camera or _with_mount(contents, where, topics)
-    track = contents.track
     placed = track.tree.joins(track.child, contents.camera_frame)
     in_view = np.linalg.inv(camera_in_body(found.view))
 
@@ -115,13 +112,8 @@ def read_bag(
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
     remarks = list(bag.remarks)
-    if gps is not None:
-        remarks.append(gps.remark)
-        if camera is None or not camera.altitude_given:
-            expected = "altitude_m in --camera FILE.yaml: the camera's usual height above the sea floor"
-            raise InputError(where, "height", "positions by GPS alone, which know none", expected)
-        _lift(track, 0.0, mount_at(track.odometry.times[0]), camera, where)
-    elif (usual_m := float(np.median([body[2, 3] for body in track.odometry.transforms]))) < 0.0:
+    usual_m = float(np.median([body[2, 3] for body in track.odometry.transforms]))
+    if usual_m < 0.0:
         remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
     cfg = MapCfg() if contents.cell_m is None else MapCfg(cell_m=contents.cell_m)
     omitted: set[float] = set()
@@ -174,26 +166,7 @@ def read_bag(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
         sonar=None if hearing is None else hearing.sonar, remarks=tuple(remarks),
-        start=None if gps is None else Pose(0.0, 0.0, 0.0),
-        datum=None if gps is None else (gps.plane.latitude, gps.plane.longitude),
     )  # fmt: skip
-
-
-def _by_gps(bag: Bag, topics: BagTopics, contents: _Contents) -> GpsTrack:
-    """Take the poses of a bag without odometry from its satellite receiver.
-
-    Raises:
-        InputError: It has none, or one that does not tell poses.
-    """
-    fix = topic_of(bag, FIX, topics.gps)
-    if fix is None:
-        found = "no messages" + "".join(f"; {remark}" for remark in bag.remarks)
-        expected = f"nav_msgs/Odometry, or sensor_msgs/NavSatFix; {_known(contents)}"
-        raise InputError(bag.where, topics.odometry, found, expected)
-    track = contents.track
-    gps = read_gps(bag, fix, topic_of(bag, IMU, topics.imu), track.tree)
-    track.odometry, track.parent, track.child = gps.poses, MAP, gps.child
-    return gps
 
 
 def _lift(

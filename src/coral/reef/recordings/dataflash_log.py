@@ -12,7 +12,7 @@ from coral.reef.sea.ardusub import DOWN, has_position
 SYNC, FORMAT = b"\xa3\x95", 128
 _NEEDED = {
     "XKF1": {"PN", "PE"}, "XKF4": {"SS"}, "ATT": {"Roll", "Pitch", "Yaw"}, "POS": {"Lat", "Lng"},
-    "GPS": {"Status", "GMS", "GWk", "Lat", "Lng"}, "RFND": {"Dist"},
+    "GPS": {"Status", "GMS", "GWk"}, "RFND": {"Dist"},
 }  # fmt: skip
 _LAYOUT = struct.Struct("<BB4s16s64s")
 _CODES = {code: code for code in "bBhHiIfdqQ"} | {
@@ -24,10 +24,9 @@ GPS_EPOCH_S, LEAP_S = 315_964_800, 18
 RANGE_GOOD, FIX_3D = 4, 3
 
 Sample = tuple[str, float, tuple[float, ...]]
-"""What an estimator says, time (s), values. position: east, north (m); place: longitude, latitude; fix: the same of a
-receiver alone; attitude: roll, pitch, yaw (rad, of a body with z down in NED); range: distance to the sea floor (m);
-standing: 1 while the position is not one, for want of measurements; clock: Unix time less that of the log (s);
-unread: bytes that are no message."""
+"""What an estimator says, time (s), values. position: east, north (m); place: longitude, latitude; attitude: roll,
+pitch, yaw (rad, of a body with z down in NED); range: distance to the sea floor (m); standing: 1 while the position is
+not one, for want of measurements; clock: Unix time less that of the log (s); unread: bytes that are no message."""
 
 
 def read_dataflash(content: mmap | bytes) -> Iterator[Sample]:
@@ -48,7 +47,6 @@ def read_dataflash(content: mmap | bytes) -> Iterator[Sample]:
         elif name == "POS" and (values["Lat"] or values["Lng"]):
             yield "place", t, (values["Lng"], values["Lat"])
         elif name == "GPS" and values["Status"] >= FIX_3D:
-            yield "fix", t, (values["Lng"], values["Lat"])
             yield "clock", t, (GPS_EPOCH_S - LEAP_S + 604_800 * values["GWk"] + 0.001 * values["GMS"] - t,)
         elif name == "RFND" and values.get("Stat", RANGE_GOOD) == RANGE_GOOD and values.get("Orient", DOWN) == DOWN:
             yield "range", t, (values["Dist"],)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
-from typing import Any, BinaryIO, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -88,24 +87,6 @@ def encode_packet(ping: SonarPing, *, protocol: Literal[1, 2] = 2, scale_m: floa
     message.header.timestamp.nanos = min(round(1e9 * (ping.device_s - seconds)), 999_999_999)
     data: bytes = rip.packb(message, protocol=rip.ProtocolVersion(protocol))
     return data
-
-
-def read_packets(file: BinaryIO) -> Iterator[bytes]:
-    """Yield the packets of a recording (.sonar), which follow each other without a gap.
-
-    Raises:
-        UnfitMeasurement: What follows is no packet; the last one is cut off.
-    """
-    while head := file.read(8):
-        length = int.from_bytes(head[4:8], "little")
-        if head[:4] not in IDENTIFIERS:
-            raise UnfitMeasurement("wrong identifier", repr(head[:4]))
-        if not FRAME_BYTES <= length <= LARGEST_PACKET:
-            raise UnfitMeasurement("wrong length", f"{length} bytes, where {LARGEST_PACKET} is the most")
-        packet = head + file.read(length - len(head))
-        if len(packet) < length:
-            raise UnfitMeasurement("cut off", f"{len(packet)} of {length} bytes")
-        yield packet
 
 
 @cache
