@@ -55,6 +55,22 @@ def test_each_limit_has_its_action(change, cause, action):
     assert (breach.cause, breach.action) == (cause, action)
 
 
+def test_eyes_that_judge_nothing_for_a_while_may_hold():
+    seen = iter([1.5, 0.0, 0.0, 0.8])
+    cfg = SafetyCfg(on_unjudged="hold", unjudged_s=5.0)
+    monitor = SafetyMonitor(cfg, AREA, 600.0, sees_m=lambda: next(seen))
+    found = [monitor.check(NOW, t, FINE, HERE) for t in (10.0, 14.0, 16.0, 17.0)]
+    assert [breach and (breach.cause, breach.action, breach.passing) for breach in found] == [
+        *(None, None, ("eyes", "hold", True), None)
+    ]
+    assert found[2].reason == "the eyes have judged nothing for 6 s"
+
+
+def test_by_default_a_survey_goes_on_whatever_the_eyes_judge():
+    monitor = SafetyMonitor(SafetyCfg(), AREA, 600.0, sees_m=lambda: 0.0)
+    assert monitor.check(NOW, 100.0, FINE, HERE) is None
+
+
 def test_a_range_to_the_floor_that_falls_silent_may_hold():
     silent = replace(FINE, altitude_stamp_s=NOW - 0.8)
     assert check(silent) is None

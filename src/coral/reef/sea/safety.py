@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -64,6 +65,11 @@ class SafetyCfg:
     """What follows when nothing is left to explore."""
     after_return: Literal["hold", "surface"] = "hold"
     """What the vehicle does once it is back."""
+    on_unjudged: Action = "none"
+    """The eyes judge nothing: what they see is unlike all that they have learned, or too murky. With none the survey
+    goes on by the sonar, if there is one, and the map says that nothing was judged."""
+    unjudged_s: Positive = 20.0
+    """For this long."""
     settle_s: Positive = 2.0
     """A lost link or position must be back for this long before the survey continues."""
 
@@ -73,7 +79,7 @@ class Breach:
     """A limit that has been reached."""
 
     cause: str
-    """link, pose, floor, clock, reboot, fence, leak, battery, tether or time."""
+    """link, pose, floor, clock, reboot, eyes, fence, leak, battery, tether or time."""
     reason: str
     """In words, with the numbers."""
     action: Action
@@ -109,6 +115,9 @@ class SafetyMonitor:
     reboots: int = 0
     """Restarts of the autopilot that the operator knows of: those before the survey."""
     clock_jumps: int = 0
+    sees_m: Callable[[], float] = lambda: math.inf
+    """How far the eyes tell oysters from sea floor (m)."""
+    _saw_s: float = 0.0
     _trend: _BatteryTrend = field(default_factory=_BatteryTrend)
 
     def accept(self, report: VehicleReport) -> None:
@@ -139,6 +148,11 @@ class SafetyMonitor:
         if report.clock_jumps > self.clock_jumps:
             self.clock_jumps = report.clock_jumps  # one jump, one hold
             found.append(Breach("clock", "the autopilot's clock jumped", cfg.on_clock_jump, True))
+        self._saw_s = t if self.sees_m() > 0.0 else self._saw_s
+        if t - self._saw_s > cfg.unjudged_s:
+            found.append(
+                Breach("eyes", f"the eyes have judged nothing for {t - self._saw_s:.0f} s", cfg.on_unjudged, True)
+            )
         if report.leak:
             found.append(Breach("leak", "leak: water inside the hull", cfg.on_leak))
         if report.battery_fraction is not None and report.battery_fraction < cfg.battery_min:

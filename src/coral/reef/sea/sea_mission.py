@@ -137,7 +137,7 @@ class SeaMission:
         """The saved landmarks that were recognised when it was told last."""
         crew.camera.attitude = lambda: self.robot.camera_attitude(self.robot.seen)
         self.orders = VehicleOrders(crew.link, threaded=threaded)
-        self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
+        self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s, sees_m=lambda: self.belief.map.sees_m)
         go_home = partial(self.pilot.go_home, *area.start[:2])
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, go_home)
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
