@@ -306,10 +306,8 @@ def _array(content: bytes, name: str) -> NDArray[Any]:
 
 
 @contextmanager
-def open_sqlite(path: Path, busy_s: float = 5.0, *, damaged: bool = False) -> Iterator[sqlite3.Connection]:
+def open_sqlite(path: Path, busy_s: float = 5.0) -> Iterator[sqlite3.Connection]:
     """Open an SQLite file so that no value in it is larger than `limits.ROW_BYTES`, and its schema runs no functions.
-
-    A `damaged` one, which may lack pages, is opened to be read only. Its values are messages: `limits.CHUNK_BYTES`.
 
     Raises:
         NotRegularError: It is a pipe or a device.
@@ -317,12 +315,9 @@ def open_sqlite(path: Path, busy_s: float = 5.0, *, damaged: bool = False) -> It
     """
     if path.exists():
         open_regular(path).close()
-    name = f"{path.absolute().as_uri()}?mode=ro&immutable=1" if damaged else path
-    with closing(sqlite3.connect(name, timeout=busy_s, uri=damaged)) as base:
-        base.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.CHUNK_BYTES if damaged else limits.ROW_BYTES)
+    with closing(sqlite3.connect(path, timeout=busy_s)) as base:
+        base.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.ROW_BYTES)
         base.execute("PRAGMA trusted_schema = OFF")
-        if damaged:
-            base.execute("PRAGMA writable_schema = ON")  # else a file with fewer pages than it says is not opened
         yield base
 
 

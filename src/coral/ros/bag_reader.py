@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 from coral.errors import InputError, first_line, install_extra
 from coral.foreign_file import check_tables, read_head, read_text
 from coral.limits import CHUNK_BYTES
-from coral.ros.unfinished_bag import is_cut, mend
 from coral.yaml_file import load_mapping
 
 FILES = (".mcap", ".db3", ".bag")
 """MCAP, SQLite of ROS 2, and ROS 1."""
 EXPECTED = "a ROS bag or an MCAP file"
+_CUT_SQLITE = (
+    "a damaged SQLite file",
+    'a whole one: `sqlite3 FILE ".recover" | sqlite3 NEW.db3`, then `ros2 bag reindex FOLDER`',
+)
 _MENDS = {
     "File end magic is invalid.": (
         "a file without an end, unfinished or cut",
-        "a whole one: `mcap recover FILE -o OUT`",
+        "a whole one: `mcap recover FILE -o OUT`, then `ros2 bag reindex FOLDER` if it is part of a folder",
     ),
     "Profile is not ros2.": (
         "an MCAP file of other messages",
@@ -29,7 +31,7 @@ _MENDS = {
     ),
     "Bag is not indexed": ("a ROS 1 bag without an index, unfinished or cut", "a whole one: `rosbag reindex FILE`"),
     "Bag index looks damaged": ("a ROS 1 bag without its end, cut", "a whole one: `rosbag reindex FILE`"),
-    "Cannot open database": ("a damaged SQLite file", 'a whole one: `sqlite3 FILE ".recover" | sqlite3 NEW.db3`'),
+    "Cannot open database": _CUT_SQLITE,
 }
 """How what the library says begins, and what it means for who has the file."""
 
@@ -47,24 +49,15 @@ def _loose_files(path: Path) -> list[Path]:
 
 
 class Bag:
-    """A bag that is read several times, with what is whole of files that have no end."""
+    """A bag that is read several times.
+
+    Raises:
+        InputError: rosbags is not installed.
+    """
 
     def __init__(self, path: Path) -> None:
-        """Look for the ends of a bag's files.
-
-        Raises:
-            InputError: rosbags is not installed, or a file may not be read.
-        """
         _library(path)
         self._path, self.where = path, str(path)
-        self._folder = tempfile.TemporaryDirectory(prefix="coral-bag-")
-        files = _files(path)
-        for file in files:
-            read_head(file, EXPECTED)
-        mended = {file: found for file in files if (found := mend(file, Path(self._folder.name)))}
-        self._parts = [mended[file].path if file in mended else file for file in files] if mended else None
-        self.remarks = tuple(found.told for found in mended.values())
-        """What the user should know of files without an end."""
 
     def count_messages(self) -> dict[str, int]:
         """Return the number of messages on each topic.
@@ -111,14 +104,13 @@ class Bag:
 
     @contextmanager
     def _opened(self) -> Iterator[Any]:
-        """Open the files, or what is read in their place."""
         from rosbags.typesys import Stores, get_typestore
 
-        path, parts = self._path, self._parts
-        _refuse_odd_files(path, parts)
+        path = self._path
+        _refuse_odd_files(path)
         try:
             types = get_typestore(Stores.ROS2_HUMBLE)
-            reader = _library(path)(parts or _loose_files(path) or [path], default_typestore=types)
+            reader = _library(path)(_loose_files(path) or [path], default_typestore=types)
             reader.open()
         except Exception as error:  # damaged bytes raise all kinds
             raise _cannot_open(path, error) from None
@@ -158,7 +150,7 @@ def _cannot_open(path: Path, error: Exception) -> InputError:
     return InputError(str(path), "", found, expected)
 
 
-def _refuse_odd_files(path: Path, parts: list[Any] | None) -> None:
+def _refuse_odd_files(path: Path) -> None:
     """Check what the library opens without limits: its files, the table of contents, compression of messages.
 
     Raises:
@@ -167,13 +159,23 @@ def _refuse_odd_files(path: Path, parts: list[Any] | None) -> None:
     contents = _metadata(path)
     if str(contents.get("compression_mode", "")).lower() == "message":
         raise InputError(str(path), "compression_mode", "message", "a bag without it (`ros2 bag convert`)")
-    for file in parts or (path.iterdir() if path.is_dir() else [path]):
+    for file in path.iterdir() if path.is_dir() else [path]:
         if file.suffix == ".db3":
-            if is_cut(file):  # SQLite itself may take what is missing for zeros
-                raise InputError(str(file), "", *_MENDS["Cannot open database"])
+            if _lacks_pages(file):  # SQLite itself may take what is missing for zeros
+                raise InputError(str(file), "", *_CUT_SQLITE)
             check_tables(file, "messages", "topics")
         elif not file.is_dir():
-            read_head(Path(str(file)), EXPECTED)
+            read_head(file, EXPECTED)
+
+
+def _lacks_pages(path: Path) -> bool:
+    """Check whether an SQLite file has fewer pages than its head says (sqlite.org/fileformat2.html)."""
+    head = read_head(path, EXPECTED, 100)
+    # The number of pages holds only if it was written by who changed the file last.
+    if not head.startswith(b"SQLite format 3\0") or head[24:28] != head[92:96]:
+        return False
+    page = int.from_bytes(head[16:18], "big")
+    return (65_536 if page == 1 else page) * int.from_bytes(head[28:32], "big") > path.stat().st_size
 
 
 def _metadata(path: Path) -> dict[str, Any]:
@@ -183,17 +185,6 @@ def _metadata(path: Path) -> dict[str, Any]:
         return {}
     about = load_mapping(read_text(known, EXPECTED), str(known)).get("rosbag2_bagfile_information")
     return about if isinstance(about, dict) else {}
-
-
-def _files(path: Path) -> list[Path]:
-    """Return the files of a bag, in order; [] where some are compressed."""
-    if not path.is_dir():
-        return [path]
-    names = _metadata(path).get("relative_file_paths")
-    if not isinstance(names, list):
-        return _loose_files(path)
-    files = [path / PurePath(str(name)).name for name in names]
-    return files if all(file.suffix in FILES and file.is_file() for file in files) else []
 
 
 def _remember_definitions(anyreader: Any) -> None:

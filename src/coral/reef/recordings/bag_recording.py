@@ -93,8 +93,7 @@ def read_bag(
     contents = _collect(bag, topics)
     track = contents.track
     if not track.odometry.times:
-        told = "no messages" + "".join(f"; {remark}" for remark in bag.remarks)
-        raise InputError(where, topics.odometry, told, f"nav_msgs/Odometry; {_known(contents)}")
+        raise InputError(where, topics.odometry, "no messages", f"nav_msgs/Odometry; {_known(contents)}")
     kinds = {
         topics.doubt: "doubt", topics.classes: "labels", topics.depth: "depth", topics.image: "rgb",
     }  # fmt: skip
@@ -111,10 +110,10 @@ def read_bag(
     def mount_at(t: float) -> NDArray[np.float64] | None:
         return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
 
-    remarks = list(bag.remarks)
+    remarks: tuple[str, ...] = ()
     usual_m = float(np.median([body[2, 3] for body in track.odometry.transforms]))
     if usual_m < 0.0:
-        remarks.append(_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where))
+        remarks = (_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where),)
     cfg = MapCfg() if contents.cell_m is None else MapCfg(cell_m=contents.cell_m)
     omitted: set[float] = set()
     hearing = open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
@@ -165,7 +164,7 @@ def read_bag(
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
-        sonar=None if hearing is None else hearing.sonar, remarks=tuple(remarks),
+        sonar=None if hearing is None else hearing.sonar, remarks=remarks,
     )  # fmt: skip
 
 
@@ -226,7 +225,7 @@ def _moments(
             yield from later
             images, later = {}, []
         t_open, images[topic] = t, message
-    if images and not bag.remarks:
+    if images:
         yield t_open, images
     yield from later
 

@@ -18,7 +18,6 @@ from coral.lens import check_lens
 from coral.ros.bag_reader import Bag, stamp_of
 from coral.ros.camera_lens import lens_of
 from coral.ros.camera_pictures import colours_in, values_in
-from coral.terminal import tell
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
@@ -47,8 +46,6 @@ class BagRgbdCamera:
         if not self.path.exists():
             raise InputError("--camera", "", self.name, "a ROS 2 bag or an MCAP file")
         self._bag = Bag(self.path)
-        for remark in self._bag.remarks:
-            tell(remark)
         self.topics = _choose_topics(self.path, self._bag.message_types(), asked)
         self._frames: Iterator[RgbdFrame] = iter(())
         self._next: RgbdFrame | None = None
