@@ -89,7 +89,6 @@ def parsers() -> dict[str, Parser]:
     from coral.contact.libero.problem import read_problem
     from coral.contact.plan.cost_plan import PlanAnswer
     from coral.contact.policy.wire import WireError, decode, encode
-    from coral.contact.real_scenes.bop_records import read_cameras, read_shared_camera
     from coral.contact.scene.task_file import load_task_file
     from coral.desk.inbox import Inbox
     from coral.reef.decide.answers import CentroidChoice
@@ -105,9 +104,6 @@ def parsers() -> dict[str, Parser]:
         return tuple((HOME / path).read_bytes()[:most] for path in paths)
 
     camera = example_camera()
-    matrix, zero = [1, 0, 0, 0, 1, 0, 0, 0, 1], [0.0, 0.0, 500.0]
-    lens = {"cam_K": [600, 0, 320, 0, 600, 240, 0, 0, 1], "depth_scale": 1.0, "cam_R_w2c": matrix, "cam_t_w2c": zero}
-    shared = {"fx": 600, "fy": 600, "cx": 320, "cy": 240, "depth_scale": 1.0, "width": 640, "height": 480}
     recording = b"\n".join((HOME / "advisor/recordings/reef-e1.jsonl").read_bytes().splitlines()[:2]) + b"\n"
     cost = b"""def state_cost(self):
     d = np.linalg.norm(self.ee_pos - self.box_pos)
@@ -165,8 +161,6 @@ def parsers() -> dict[str, Parser]:
             lambda path: parse_cost(path.read_bytes().decode("utf-8", "replace"), LimitsCfg()), (cost,), (CostError,)
         ),
         "problem": Parser(read_problem, (PROBLEM,), suffix=".bddl"),
-        "bop cameras": Parser(read_cameras, (json.dumps({"0": lens}).encode(),), suffix=".json"),
-        "bop camera": Parser(read_shared_camera, (json.dumps(shared).encode(),), suffix=".json"),
         "policy message": Parser(
             lambda path: decode(path.read_bytes()),
             (encode({"actions": np.zeros((2, 7), np.float32), "state": [1.0, "a"]}),),

@@ -25,7 +25,6 @@ from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.real_scenes.bop_records import BopFiles
 from coral.contact.real_scenes.cameras.camera_registry import CAMERAS
 from coral.contact.real_scenes.masks.mask_registry import MASKS
 from coral.contact.scene.conditions import Condition
@@ -95,7 +94,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "files-task": partial(make.files, TaskFiles),
     "files-bench": partial(make.files, CampaignFiles),
     "files-products": partial(make.files, ProductFiles),
-    "files-bop": partial(make.files, BopFiles),
     "files-labelled": partial(make.files, LabelFiles),
     "exit-codes": partial(make.files, ExitCode, "code | what"),
     "cameras": partial(make.named, "`--camera` | what", CAMERAS),

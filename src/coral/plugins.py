@@ -25,6 +25,8 @@ GROUPS = {
     "coral.embedders": "class, or function without arguments, that makes an embedder of instructions; NAME after "
     "--cfg.think.memory.embedder",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
+    "coral.masks": "function (rest, trial, models of its objects by name) that makes a MaskSource; NAME[:REST] after "
+    "--masks",
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition; its `kind` in a task file",
     "coral.commands": "dataclass of a command, coral NAME; a dot in the name separates its two words",
     "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",

@@ -1,4 +1,4 @@
-"""`coral contact calibrate`: find where a camera stands, from a board or from points that the hand touches."""
+"""`coral contact calibrate`: find where a camera stands, from a board."""
 
 from __future__ import annotations
 
@@ -25,14 +25,12 @@ MOST_PICTURES = 500
 class ContactCalibrate:
     """Find where a camera stands, and write it into a file for --camera-pose.
 
-    By --touches: the hand touches points whose pixels are clicked. By --board with --board-at: a ChArUco board lies at
-    a known place. By --board with --hand-poses: the hand holds the board, one picture for each of its poses.
+    With --board-at a ChArUco board lies at a known place; with --hand-poses the hand holds it, one picture for each of
+    its poses.
     """
 
     camera: Annotated[str | None, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")] = None
-    touches: Path | None = None
-    """File with a list `touches` of `pixel: [column, row]` and `touched_m: [x, y, z]`, four or more."""
-    board: Annotated[str | None, Option(metavar="BOARD")] = None
+    board: Annotated[str, Option(metavar="BOARD")]
     """The board, COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03."""
     board_at: Annotated[tuple[float, float, float, float] | None, Option(metavar="X Y Z YAW_DEG")] = None
     """Place of the board, face up: its first corner in the world (m), and the direction of its columns."""
@@ -52,9 +50,7 @@ class ContactCalibrate:
 
         if self.draw is not None:
             return self._draw(self.draw)
-        if (self.touches is None) == (self.board is None):
-            raise InputError("--touches", "", "both" if self.board else "nothing", "either --touches or --board")
-        if self.board is not None and (self.board_at is None) == (self.hand_poses is None):
+        if (self.board_at is None) == (self.hand_poses is None):
             found = "both" if self.board_at else "nothing"
             raise InputError("--board-at", "", found, "either --board-at or --hand-poses")
         if self.camera is None:
@@ -63,8 +59,7 @@ class ContactCalibrate:
             raise InputError("--out", "", str(self.out), "a new file")
         if not 1 <= self.pictures <= MOST_PICTURES:
             raise InputError("--pictures", "", self.pictures, f"1 to {MOST_PICTURES}")
-        frames = self._take(self.camera)
-        placing, method = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
+        placing, method = self._by_board(self._take(self.camera))
         self.out.parent.mkdir(parents=True, exist_ok=True)
         write_camera_pose(self.out, placing, method)
         placed = placing.T_world_camera
@@ -86,10 +81,8 @@ class ContactCalibrate:
     def _draw(self, path: Path) -> dict[str, Any]:
         import cv2
 
-        from coral.calibration_board import FORM, CharucoBoard
+        from coral.calibration_board import CharucoBoard
 
-        if self.board is None:
-            raise InputError("--board", "", "nothing", FORM)
         if path.exists():
             raise InputError("--draw", "", str(path), "a new file")
         board = CharucoBoard(self.board)
@@ -109,13 +102,6 @@ class ContactCalibrate:
             raise InputError("--camera", "", word, "pictures")
         return frames
 
-    def _by_touch(self, frame: RgbdFrame) -> tuple[CameraCalibration, str]:
-        from coral.contact.real_scenes.calibration.touch_calibration import calibrate_by_touch, read_touches
-
-        assert self.touches is not None
-        touches = read_touches(self.touches)
-        return calibrate_by_touch(frame, touches, str(self.touches)), f"{len(touches)} touched points"
-
     def _by_board(self, frames: list[RgbdFrame]) -> tuple[CameraCalibration, str]:
         import numpy as np
 
@@ -128,7 +114,6 @@ class ContactCalibrate:
         from coral.contact.scene.geometry import rotation_about
         from coral.contact.scene.rigid_transform import pose_matrix
 
-        assert self.board is not None
         board = CharucoBoard(self.board)
         colours = [frame.rgb for frame in frames if frame.rgb is not None]
         if len(colours) < len(frames):

@@ -35,7 +35,7 @@ class ContactPoses:
     """A shipped task or a task file, with the exact sizes of your objects."""
     camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
     camera_pose: Path | None = None
-    """Where it stands, a file of coral contact calibrate; by default what a recording says."""
+    """Where it stands, a file of coral contact calibrate; by default its frame is the world's."""
     masks: Annotated[str, Option(metavar="MASKS", help=f"What segments the pictures: {mask_help()}.")] = "colour"
     tracker: Annotated[str, Option(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0

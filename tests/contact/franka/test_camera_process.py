@@ -1,4 +1,4 @@
-"""The process runs in a thread here, against a recorded camera and a receiver on a loopback port."""
+"""The process runs in a thread here, against a drawn camera and a receiver on a loopback port."""
 
 import dataclasses
 import threading
@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from recorded_scenes import write_scene
 
 from coral.contact.franka import camera_process
 from coral.contact.franka.camera_process import CameraJob, CameraProcess
@@ -34,11 +33,11 @@ def poses():
 
 @pytest.fixture
 def job(trial, tmp_path, poses):
-    """A camera that sees two pictures; colours of the fixture's objects are equal, so a file names them."""
-    write_scene(tmp_path / "scene", trial)
+    """A camera of some pictures; colours of the fixture's objects are equal, so a file names them."""
     (tmp_path / "colours.yaml").write_text("objects: {box: {hue_deg: [0, 60]}, can: {hue_deg: [0, 60]}}")
-    camera, masks = f"recording:{tmp_path / 'scene'}", f"colour:{tmp_path / 'colours.yaml'}"
-    return CameraJob(trial, camera, masks, None, TrackedCfg(), ("127.0.0.1", poses.port))
+    return CameraJob(
+        trial, "drawn:pick-box", f"colour:{tmp_path / 'colours.yaml'}", None, TrackedCfg(), ("127.0.0.1", poses.port)
+    )
 
 
 class Stub:

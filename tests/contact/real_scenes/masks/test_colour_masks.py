@@ -49,7 +49,7 @@ def test_hues_go_around_through_red():
 
 
 def test_two_objects_of_one_colour_are_refused():
-    with pytest.raises(InputError, match=r"other: found the same colour, expected .* or --masks click:FILE"):
+    with pytest.raises(InputError, match=r"other: found the same colour, expected .* or --masks colour:FILE"):
         paint_regions({"box": RED, "other": RED})
 
 

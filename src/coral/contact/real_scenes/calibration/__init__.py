@@ -1,1 +1,1 @@
-"""Where a camera stands: from a board, or from points that the hand touches."""
+"""Where a camera stands: from a board at a known place, or in the hand."""

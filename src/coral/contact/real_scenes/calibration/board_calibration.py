@@ -10,7 +10,6 @@ import numpy as np
 from coral.calibration_board import SeenBoard
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
-from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.geometry import rotation_angle
 from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
@@ -81,8 +80,15 @@ def calibrate_by_held_board(
         errors = [_reprojection(boards[i], pose, lens) for i, pose in zip(chosen, placed, strict=True)]
         return T_world_camera, placed, _root_mean_square(errors)
 
-    check_fit(lambda chosen: fit(chosen)[2], len(boards), LIMIT_PX, "pixels", LEAST_PICTURES, (where, "poses"))
-    T_world_camera, placed, left = fit(range(len(boards)))
+    every = range(len(boards))
+    T_world_camera, placed, left = fit(every)
+    if left > LIMIT_PX:
+        field, found = "poses", f"a residual of {left:.1f} pixels"
+        if len(boards) > LEAST_PICTURES:
+            best, wrong = min((fit([i for i in every if i != k])[2], k) for k in every)
+            if best <= LIMIT_PX:
+                field, found = f"poses[{wrong}]", f"{found}; without it the others agree: it is of another place"
+        raise InputError(where, field, found, f"{LIMIT_PX:g} pixels")
     return CameraCalibration(T_world_camera, {"rms_px": left} | _depth_residual(boards, frames, placed))
 
 

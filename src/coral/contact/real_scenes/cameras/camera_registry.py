@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
 from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, WIDTH, RealSenseCamera
-from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.contact.scene.observation import Array
 from coral.errors import InputError
@@ -16,7 +13,6 @@ GROUP = "coral.cameras"
 
 
 CAMERAS = {
-    "recording:FOLDER": "recorded pictures in the format of BOP: depth, rgb, scene_camera.json",
     "bag:FILE": "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
     "realsense[:SERIAL]": f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours "
     "(extra realsense)",
@@ -42,8 +38,6 @@ def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdC
         raise InputError("--camera", "", repr(word), form)
     if name == "realsense":
         return RealSenseCamera(rest or None, T_world_camera)
-    if name == "recording":
-        return RecordedRgbdCamera(Path(rest), T_world_camera)
     if name == "bag":
         return BagRgbdCamera(rest, T_world_camera)
     if name == "drawn":

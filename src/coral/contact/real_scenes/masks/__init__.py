@@ -1,1 +1,1 @@
-"""Masks of objects in pictures, without ground truth: by colour, from a click, by a network."""
+"""Masks of objects in pictures, without ground truth: by colour, or by a network of another package."""

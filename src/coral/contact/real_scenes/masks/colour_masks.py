@@ -77,7 +77,7 @@ def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str = 
         hue *= 360.0
         same = [other for other, region in regions.items() if region.contains(np.array([hue, saturation, 0.5]))]
         if same:
-            expected = f"another colour than that of {same[0]}, or --masks click:FILE"
+            expected = f"another colour than that of {same[0]}, or --masks colour:FILE with measured ones"
             raise InputError(where, name, "the same colour", expected)
         regions[name] = ColourRegion(
             hue_deg=(0.0, 360.0) if saturation < GREY else (round(hue - HUE_DEG, 1), round(hue + HUE_DEG, 1)),
