@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.calibration_board import CharucoBoard, Chessboard, parse_board
+from coral.calibration_board import CharucoBoard
 from coral.errors import InputError
 
 
@@ -21,29 +21,23 @@ def test_the_corners_of_its_own_picture_are_found():
 def test_a_picture_without_the_board_is_none():
     picture = coloured(np.full((80, 80), 128, np.uint8))
     assert CharucoBoard("5x4:0.03:0.02:apriltag_36h11").find(picture) is None
-    assert parse_board("5x4:0.03").find(picture) is None
-
-
-def test_a_plain_chessboard_is_found_by_its_inner_corners():
-    squares = (np.add.outer(np.arange(6), np.arange(9)) % 2 * 255).astype(np.uint8)
-    board = parse_board("9x6:0.03")
-    assert isinstance(board, Chessboard)
-    seen = board.find(coloured(np.pad(np.kron(squares, np.ones((40, 40), np.uint8)), 40, constant_values=255)))
-    assert len(seen.points) == 8 * 5
-    along = seen.points[:, :2] if seen.pixels[0, 0] < seen.pixels[-1, 0] else [0.27, 0.18] - seen.points[:, :2]
-    assert seen.pixels == pytest.approx(39.5 + along / 0.03 * 40, abs=0.2)
 
 
 @pytest.mark.parametrize(
-    "word", ["", "9x6", "9x6:", "9x6:.", "3x6:0.03", "9x99:0.03", "9x6:3", "9x6:0.03:", "9x6:0.03:0.04"]
-)
-def test_a_word_for_neither_kind_is_one_line(word):
-    with pytest.raises(InputError, match="--board"):
-        parse_board(word)
-
-
-@pytest.mark.parametrize(
-    "word", ["", "7x5", "7x5:0.02:0.03", "2x5:0.03:0.02", "7x5:0.03:0.02:nine", "7x5:...:1", "40x40:0.03:0.02"]
+    "word",
+    [
+        "",
+        "7x5",
+        "9x6:",
+        "9x6:.",
+        "9x6:0.03",
+        "9x6:0.03:",
+        "7x5:0.02:0.03",
+        "2x5:0.03:0.02",
+        "7x5:0.03:0.02:nine",
+        "7x5:...:1",
+        "40x40:0.03:0.02",
+    ],
 )
 def test_a_word_that_describes_no_board_is_one_line(word):
     with pytest.raises(InputError, match="--board"):

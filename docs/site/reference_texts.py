@@ -242,9 +242,6 @@ VEHICLE_TOPICS = {
         "std_srvs/Trigger",
         "The operator's commands: `start`, `hold`, `resume`, `home`, `surface`, `stop`, `disarm`.",
     ),
-    "coral/question": ("std_msgs/String", "With `--advisor ros2:NAMESPACE`: a question, as at the desk."),
-    "coral/question/pictures": ("sensor_msgs/CompressedImage", "Its pictures."),
-    "coral/answer": ("std_msgs/String", 'Read: `{"id": "000001-...", "answer": {...}}`.'),
 }
 """Topics and services of a vehicle over ROS 2, in its namespace: type of each, and what is on it."""
 TIMING = {

@@ -1,4 +1,4 @@
-"""A board to calibrate with, ChArUco or chess: its description in a word, its print, its corners in pictures."""
+"""A ChArUco board to calibrate with: its description in a word, its print, its corners in pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from coral.errors import InputError
 Array = NDArray[np.float64]
 
 FORM = "COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03"
-ANY_FORM = "COLUMNSxROWS:SQUARE_M[:MARKER_M[:DICTIONARY]], for example 9x6:0.03:0.022; 9x6:0.03 has no markers"
 DICTIONARY = "4X4_50"
 LEAST_CORNERS = 6
 """Corners in a picture that make it count."""
@@ -78,36 +77,3 @@ class CharucoBoard:
                 points, pixels = board.matchImagePoints(corners, numbers)
                 return SeenBoard(np.asarray(points, float).reshape(-1, 3), np.asarray(pixels, float).reshape(-1, 2))
         return None
-
-
-class Chessboard:
-    """A board of squares without markers, which is found only where all of its inner corners are seen."""
-
-    def __init__(self, columns: int, rows: int, square_m: float) -> None:
-        self.size, self.square_m = (columns, rows), square_m
-        across, down = np.meshgrid(np.arange(1.0, columns), np.arange(1.0, rows))
-        self._points = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)]) * square_m
-
-    def find(self, rgb: NDArray[np.uint8]) -> SeenBoard | None:
-        """Find the board's inner corners in a picture, Shape=(H, W, 3), red first; None if it is not all seen."""
-        inner = (self.size[0] - 1, self.size[1] - 1)
-        how = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
-        found, corners = cv2.findChessboardCornersSB(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), inner, flags=how)
-        return SeenBoard(self._points, np.asarray(corners, float).reshape(-1, 2)) if found else None
-
-
-def parse_board(word: str, where: str = "--board") -> CharucoBoard | Chessboard:
-    """Return the board that a word describes: one with markers if it tells their size.
-
-    Raises:
-        InputError: It describes none.
-    """
-    plain = re.fullmatch(r"(\d{1,3})x(\d{1,3}):(\d*\.?\d+)", word)
-    if plain is None:
-        if not re.fullmatch(r"\d+x\d+:[^:]+:.+", word):
-            raise InputError(where, "", repr(word), ANY_FORM)
-        return CharucoBoard(word, where)
-    columns, rows, square_m = int(plain[1]), int(plain[2]), float(plain[3])
-    if not (4 <= columns <= 40 and 4 <= rows <= 40 and 0.001 < square_m < 1.0):
-        raise InputError(where, "", repr(word), f"4 to 40 squares a side: {ANY_FORM}")
-    return Chessboard(columns, rows, square_m)

@@ -33,7 +33,6 @@ COMMANDS = {
     "reef products": ("coral.commands.reef_products:ReefProducts", "make maps and tables for an ecologist from a run"),
     "reef map": ("coral.commands.reef_map:ReefMap", "make a map and products from a recording"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
-    "camera calibrate": ("coral.commands.camera_calibrate:CameraCalibrate", "find a camera's lens from a board"),
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),

@@ -59,7 +59,6 @@ OURS: dict[str, dict[str, str]] = {
         "desk": "coral.desk.advisor:make_desk",
         "fallible": "coral.erring.fallible:make_fallible",
         "sloppy": "coral.erring.sloppy:make_sloppy",
-        "ros2": "coral.reef.ros.ros_advisor:make_ros",
     },
     "ros2": {
         "camera": "coral.reef.ros.ros_camera:RosCamera",

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from coral.errors import InputError
-from coral.reef.sea.calibration_file import CALIB_IO, own_keys, read_calibration
+from coral.reef.sea.calibration_file import own_keys, read_calibration
 
 ROS = {
     "image_width": 160,
@@ -82,22 +82,6 @@ XML = """<?xml version="1.0"?>
 FOUND = {**SAME, "model": "plumb_bob", "distortion": [-0.05, 0.004, 0.0, 0.0, 0.0], "pitch_down_deg": 30}
 
 
-def calib_io(name="CameraModelOpenCV", count=1, **values):
-    given = {"f": 52.0, "ar": 51.5 / 52.0, "cx": 81.0, "cy": 58.5, "k1": -0.05, "k2": 0.004, **values}
-    model = {
-        "polymorphic_id": 2147483649,
-        "polymorphic_name": f"libCalib::{name}",
-        "ptr_wrapper": {
-            "valid": 1,
-            "data": {
-                "CameraModelCRT": {"CameraModelBase": {"imageSize": {"width": 160, "height": 120}}},
-                "parameters": {key: {"state": 2, "val": value} for key, value in given.items()},
-            },
-        },
-    }
-    return {"Calibration": {"cameras": [{"model": model}] * count}, "pitch_down_deg": 30}
-
-
 def read(tmp_path, text, name="lens.yaml"):
     (tmp_path / name).write_text(text)
     return read_calibration(tmp_path / name)
@@ -126,31 +110,6 @@ def test_what_opencv_itself_wrote_is_read(tmp_path):
 def test_many_coefficients_of_opencv_are_the_rational_model():
     many = {**OPENCV, "distortion_coefficients": {"data": [0.1] * 8}}
     assert own_keys(many, "f")["model"] == "rational_polynomial"
-
-
-def test_what_the_calibrator_of_calib_io_saves(tmp_path):
-    found = read(tmp_path, json.dumps(calib_io()), "lens.json")
-    assert found == {**FOUND, "fy": pytest.approx(51.5)}
-    fisheye = own_keys(calib_io("CameraModelOpenCVFisheye", k3=0.1, k4=0.2), "f")
-    assert (fisheye["model"], fisheye["distortion"]) == ("equidistant", [-0.05, 0.004, 0.1, 0.2])
-    wide = own_keys(calib_io(**dict.fromkeys(CALIB_IO["libCalib::CameraModelOpenCV"], 0.01)), "f")
-    assert (wide["model"], wide["distortion"]) == ("rational_polynomial", [0.01] * 14)
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (calib_io("CameraModelDivision"), "'libCalib::CameraModelDivision', expected CameraModelOpenCV or Camera"),
-        (calib_io(count=2), "cameras: found 2 cameras, expected one: save the camera"),
-        ({"Calibration": {"cameras": [{}]}}, "no 'model', expected what calib.io saves"),
-        ({"Calibration": {"cameras": [{"model": {"polymorphic_name": 1, "ptr_wrapper": []}}]}}, "what calib.io saves"),
-        (calib_io(cx=[1]), "model: found one that is not whole, expected what calib.io saves"),
-    ],
-)
-def test_what_calib_io_saved_otherwise_is_one_line(tmp_path, content, said):
-    with pytest.raises(InputError, match=said) as told:
-        read(tmp_path, json.dumps(content), "lens.json")
-    assert "\n" not in str(told.value)
 
 
 @pytest.mark.parametrize(

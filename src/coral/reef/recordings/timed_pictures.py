@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.foreign_file import read_bytes, read_head, read_taken
 from coral.limits import PICTURE_PIXELS, VIDEO_PICTURES, VIDEO_S
-from coral.reef.recordings.picture_files import Image, read_picture
 from coral.reef.recordings.picture_folder import EXIF_BYTES, Row, read_rows
 
 TIMES = "times.csv"
@@ -83,30 +82,6 @@ def find_pictures(folder: Path, size: tuple[int, int]) -> TimedPictures:
     return _listed(rows, folder, whose, all(universal for _, _, universal in known))
 
 
-def spread_pictures(source: Path, most: int) -> Iterator[tuple[str, Image]]:
-    """Yield at most so many pictures, evenly spread, of a folder or a video: name or time, and colours, red first.
-
-    Raises:
-        InputError: There are none, or one is broken.
-    """
-    if source.is_dir():
-        files = sorted(path for path in source.iterdir() if path.suffix.lower() in PICTURES)
-        if not files:
-            raise InputError(
-                str(source), "", "no pictures", f"pictures ({', '.join(PICTURES)}), or the file of a video"
-            )
-        for k in range(min(most, len(files))):
-            path = files[k * len(files) // min(most, len(files))]
-            yield str(path), read_picture(path, str(path), "rgb")
-        return
-    if source.suffix.lower() not in VIDEOS and source.exists():
-        raise InputError(str(source), "", "neither", f"a folder of pictures, or a video ({', '.join(VIDEOS)})")
-    video = _video(source)
-    begin, end = video.span
-    for place, _, names in video.rows(begin, end, (end - begin) / most)[:most]:
-        yield f"{source}: {place}", read_picture(Path(names["rgb"]), f"{source}: {place}", "rgb")
-
-
 def _listed(rows: list[Row], source: Path, whose: str, is_universal: bool) -> TimedPictures:
     span = rows[0][1]["t"], rows[-1][1]["t"]
 
@@ -142,8 +117,8 @@ def _taken(path: Path) -> tuple[float, bool] | None:
     return None
 
 
-def _video(path: Path, size: tuple[int, int] | None = None) -> TimedPictures:
-    """Return the pictures of a video, of any size (px) without one.
+def _video(path: Path, size: tuple[int, int]) -> TimedPictures:
+    """Return the pictures of a video of a size (px).
 
     Its times count from its creation time, or from 0 if it has none.
     """
@@ -153,8 +128,8 @@ def _video(path: Path, size: tuple[int, int] | None = None) -> TimedPictures:
     if shape is None or length is None:
         raise InputError(str(path), "", "no pictures", "a whole video that ffmpeg can read")
     width, height = map(int, shape.groups())
-    if (width, height) != (size or (width, height)) or width * height > PICTURE_PIXELS:
-        expected = f"{size[0]} x {size[1]}, the size of the camera" if size else f"{PICTURE_PIXELS} at most"
+    if (width, height) != size or width * height > PICTURE_PIXELS:
+        expected = f"{size[0]} x {size[1]}, the size of the camera"
         raise InputError(str(path), "", f"{width} x {height} pixels", expected)
     hours, minutes, seconds = map(float, length.groups())
     created, rate = _CREATED.search(told), _RATE.search(told)

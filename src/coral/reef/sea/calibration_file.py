@@ -1,6 +1,6 @@
 """Calibrations as other tools write them, as the keys of a camera file.
 
-ROS's camera_calibration, Kalibr, calib.io's calibrator (JSON), and OpenCV's FileStorage (YAML, XML or JSON).
+ROS's camera_calibration, Kalibr, and OpenCV's FileStorage (YAML, XML or JSON).
 """
 
 from __future__ import annotations
@@ -19,12 +19,6 @@ MODELS = {"radtan": "plumb_bob", "equi": "equidistant", "fisheye": "equidistant"
 """Names that Kalibr and OpenCV have for what sensor_msgs/CameraInfo names otherwise."""
 MOUNT = ("pitch_down_deg", "altitude_m", "range_m", "near_m")
 """Keys of a camera file that no calibration has: they may be added to it, at its top level."""
-CALIB_IO = {
-    "libCalib::CameraModelOpenCV": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tauX",
-        "tauY"),
-    "libCalib::CameraModelOpenCVFisheye": ("k1", "k2", "k3", "k4"),
-}  # fmt: skip
-"""Models of calib.io's calibrator that OpenCV has too, and their coefficients in OpenCV's order."""
 _OPENCV_YAML = re.compile(r"\A%YAML[: ][0-9.]+")
 """OpenCV's first line, which is none of YAML."""
 
@@ -60,8 +54,6 @@ def own_keys(content: Mapping[str, Any], where: str) -> dict[str, Any]:
     lower = {str(key).lower(): value for key, value in content.items()}
     if "camera_matrix" in lower:  # OpenCV once wrote Camera_Matrix and image_Width
         return {**_of_ros(lower, where), **mount}
-    if isinstance(lower.get("calibration"), Mapping) and "cameras" in lower["calibration"]:
-        return {**_of_calib_io(lower["calibration"]["cameras"], where), **mount}
     cameras = [name for name, value in content.items() if isinstance(value, Mapping) and "intrinsics" in value]
     if cameras:
         if len(cameras) > 1:
@@ -105,48 +97,6 @@ def _of_xml(text: str, where: str) -> dict[str, Any]:
             continue  # a name or a date
         found[node.tag] = {"data": numbers} if data is not None else numbers[0] if len(numbers) == 1 else None
     return found
-
-
-def _of_calib_io(cameras: Any, where: str) -> dict[str, Any]:
-    """Return the keys of what calib.io's calibrator saves: `f`, and `ar` for fy / fx, among named parameters."""
-    field = "Calibration: cameras"
-    if not isinstance(cameras, list) or len(cameras) != 1:
-        found = f"{len(cameras)} cameras" if isinstance(cameras, list) else repr(cameras)[:40]
-        raise InputError(where, field, found, "one: save the camera that took the pictures by itself")
-    try:
-        model = cameras[0]["model"]
-        name, data = model["polymorphic_name"], model["ptr_wrapper"]["data"]
-        given = data["parameters"]
-        size = _size_in(data)
-        values = {key: float(one["val"]) for key, one in given.items() if isinstance(one, Mapping) and "val" in one}
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        found = f"no {error}" if isinstance(error, KeyError) else "one that is not whole"
-        raise InputError(where, f"{field}: 0: model", found, "what calib.io saves") from None
-    if name not in CALIB_IO:
-        found, kinds = repr(name)[:60], " or ".join(one.rpartition("::")[2] for one in CALIB_IO)
-        raise InputError(where, f"{field}: 0: model", found, f"{kinds}: calibrate with one of these models")
-    missing = [key for key in ("f", "cx", "cy") if key not in values]
-    if missing or size is None:
-        raise InputError(where, f"{field}: 0: model", f"no {missing[0] if missing else 'imageSize'}", "a number")
-    distortion = [values.get(key, 0.0) for key in CALIB_IO[name]]
-    if len(distortion) == 14:
-        plain = not any(distortion[5:])
-        kind, distortion = ("plumb_bob", distortion[:5]) if plain else ("rational_polynomial", distortion)
-    else:
-        kind = "equidistant"
-    return {
-        "width": size["width"], "height": size["height"], "fx": values["f"], "fy": values["f"] * values.get("ar", 1.0),
-        "cx": values["cx"], "cy": values["cy"], "model": kind, "distortion": distortion,
-    }  # fmt: skip
-
-
-def _size_in(data: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """Return the size of the pictures, which each model keeps in a class below it; None without one."""
-    size = data.get("imageSize")
-    if isinstance(size, Mapping) and {"width", "height"} <= set(size):
-        return size
-    below = (_size_in(value) for value in data.values() if isinstance(value, Mapping))
-    return next((found for found in below if found is not None), None)
 
 
 def _of_kalibr(camera: Mapping[str, Any], where: str, name: str) -> dict[str, Any]:
