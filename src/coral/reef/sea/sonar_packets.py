@@ -1,4 +1,4 @@
-"""Packets of a real Sonar 3D-15, in its maker's Range Image Protocol (RIP1 and RIP2): bytes to range images, and back.
+"""Packets of a real Sonar 3D-15, in its maker's Range Image Protocol (RIP2): bytes to range images, and back.
 
 A packet may come from anyone on the network: whatever is in it, `decode_packet` returns or refuses it with a name.
 Source: the maker's integration page, and its package wlsonar, which does the decoding.
@@ -11,7 +11,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from coral.errors import InputError, first_line, install_extra
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.vehicle.range_image import RangeImage
 
-IDENTIFIERS = b"RIP1", b"RIP2"
+IDENTIFIER = b"RIP2"
 FRAME_BYTES = 12
 """Identifier, length and checksum."""
 LARGEST_PACKET = 65_507
@@ -64,11 +64,11 @@ def decode_packet(packet: bytes) -> SonarPing | None:
     return _ping(message) if isinstance(message, rip.RangeImage) else None
 
 
-def encode_packet(ping: SonarPing, *, protocol: Literal[1, 2] = 2, scale_m: float = SCALE_M) -> bytes:
+def encode_packet(ping: SonarPing) -> bytes:
     """Return the packet that a sonar would send, for rehearsals and tests; what its pixels cannot reach has no echo."""
     rip = load_protocol()
     ranges = ping.image.ranges
-    steps = np.where(np.isfinite(ranges), np.round(np.where(np.isfinite(ranges), ranges, 0.0) / scale_m), 0.0)
+    steps = np.where(np.isfinite(ranges), np.round(np.where(np.isfinite(ranges), ranges, 0.0) / SCALE_M), 0.0)
     pixels = np.where(steps <= GREATEST_PIXEL, steps, 0.0).astype(np.uint32)
     message = rip.RangeImage(
         speed_of_sound=1500.0,
@@ -78,14 +78,14 @@ def encode_packet(ping: SonarPing, *, protocol: Literal[1, 2] = 2, scale_m: floa
         height=ranges.shape[0],
         fov_horizontal=ping.image.hfov_deg,
         fov_vertical=ping.image.vfov_deg,
-        image_pixel_scale=scale_m,
+        image_pixel_scale=SCALE_M,
         image_pixel_data=pixels.ravel().tolist(),
     )
     message.header.sequence_id = ping.sequence
     seconds = math.floor(ping.device_s)
     message.header.timestamp.seconds = seconds
     message.header.timestamp.nanos = min(round(1e9 * (ping.device_s - seconds)), 999_999_999)
-    data: bytes = rip.packb(message, protocol=rip.ProtocolVersion(protocol))
+    data: bytes = rip.packb(message)
     return data
 
 
@@ -107,7 +107,7 @@ def _check_frame(packet: bytes) -> None:
     """Check what surrounds the message, and how large it says that it is, before anything is decompressed."""
     if len(packet) < FRAME_BYTES:
         raise UnfitMeasurement("cut off", f"{len(packet)} bytes, where {FRAME_BYTES} is the least")
-    if packet[:4] not in IDENTIFIERS:
+    if packet[:4] != IDENTIFIER:
         raise UnfitMeasurement("wrong identifier", repr(packet[:4]))
     length = int.from_bytes(packet[4:8], "little")
     if length > len(packet):
@@ -116,10 +116,9 @@ def _check_frame(packet: bytes) -> None:
         raise UnfitMeasurement("wrong length", f"{len(packet)} bytes, where the packet says {length}")
     if zlib.crc32(packet[:-4]) != int.from_bytes(packet[-4:], "little"):
         raise UnfitMeasurement("wrong checksum")
-    if packet[:4] == b"RIP2":
-        size = _decompressed_size(packet[8:-4])
-        if size > LARGEST_MESSAGE:
-            raise UnfitMeasurement("too large", f"{size} bytes when decompressed, where {LARGEST_MESSAGE} is the most")
+    size = _decompressed_size(packet[8:-4])
+    if size > LARGEST_MESSAGE:
+        raise UnfitMeasurement("too large", f"{size} bytes when decompressed, where {LARGEST_MESSAGE} is the most")
 
 
 def _decompressed_size(data: bytes) -> int:
