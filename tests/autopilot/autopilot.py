@@ -12,7 +12,7 @@ from autopilot.failsafes import Action, Circumstances, Failsafes
 from autopilot.parameters import ParameterStore
 from coral.config import Fraction, Positive, Signed, TimeStep
 from coral.reef.sea import ardusub
-from coral.reef.sea.setpoints import NEUTRAL
+from coral.reef.sea.ardusub import NEUTRAL
 from coral.reef.world.geometry import Pose, wrap
 
 POSITION_MODES = ("AUTO", "GUIDED", "CIRCLE", "POSHOLD")

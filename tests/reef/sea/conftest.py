@@ -42,6 +42,6 @@ def vehicle(request):
                 break
     assert vehicle.link.report().has_position
     yield vehicle
-    if vehicle.link.telemetry.armed:
+    if vehicle.link.telemetry.said.armed:
         vehicle.link.disarm()
     vehicle.close()

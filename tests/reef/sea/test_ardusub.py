@@ -1,5 +1,6 @@
 """Versions and flags as ArduSub sends them."""
 
+import math
 import sys
 
 import pytest
@@ -42,3 +43,14 @@ def test_without_pymavlink_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20.ardupilotmega", None)
     with pytest.raises(InputError, match=r"the extra vehicle: "):
         ardusub.load_dialect()
+
+
+@pytest.mark.parametrize(
+    ("depth", "rate"), [(0.0, 0.25), (1.9, 0.08), (2.0, 0.0), (2.1, -0.08), (9.0, -0.25), (None, 0.0), (math.nan, 0.0)]
+)
+def test_climb_rate_goes_to_the_depth_within_its_limit(depth, rate):
+    assert ardusub.climb_rate(depth, 2.0) == pytest.approx(rate)
+
+
+def test_a_wanted_depth_that_is_no_number_changes_nothing():
+    assert ardusub.climb_rate(1.0, math.nan) == 0.0

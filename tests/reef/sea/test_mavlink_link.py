@@ -139,49 +139,16 @@ def test_a_leak_is_reported(vehicle):
     assert vehicle.run(1.0).leak
 
 
-def test_without_a_position_the_joystick_drives(vehicle):
-    vehicle.set_parameter("SIM_GPS1_ENABLE", 0.0)
-    try:
-        for _ in range(30):
-            if not vehicle.run(0.5).has_position:
-                break
-        vehicle.link.arm()
-        assert vehicle.link.report().mode == "ALT_HOLD"
-        before = vehicle.run(10.0, (0.0, 0.0, 1.0))
-        report = vehicle.run(8.0, (0.2, 0.1, 1.0))
-        assert not report.has_position
-        assert not report.manual_override
-        assert report.depth_m == pytest.approx(1.0, abs=0.2)
-        assert (report.tether_turns - before.tether_turns) * math.tau == pytest.approx(0.8, abs=0.15)
-    finally:
-        vehicle.set_parameter("SIM_GPS1_ENABLE", 1.0)
-
-
 # What only the simulated one can be told to do.
 
 
-def test_the_joystick_moves_it_ahead_before_there_was_a_position():
+def test_without_a_position_it_is_not_armed():
     vehicle = SimulatedVehicle()
     vehicle.autopilot.parameters.write("SIM_GPS1_ENABLE", 0.0)
     vehicle.run(3.0)
-    vehicle.link.arm()
-    assert vehicle.link.report().mode == "ALT_HOLD"
-    report = vehicle.run(10.0, (0.3, 0.1, 1.0))
-    assert report.pose is None
-    assert vehicle.autopilot.body.velocity[0] > 0.15
-    assert vehicle.autopilot.body.velocity[2] == pytest.approx(0.1, abs=0.02)
-    assert report.depth_m == pytest.approx(1.0, abs=0.1)
-    assert not report.manual_override
-
-
-def test_without_commands_the_joystick_is_neutral_after_half_a_second():
-    vehicle = SimulatedVehicle()
-    vehicle.autopilot.parameters.write("SIM_GPS1_ENABLE", 0.0)
-    vehicle.run(3.0)
-    vehicle.link.arm()
-    vehicle.run(3.0, (0.3, 0.0, 1.0))
-    vehicle.run(0.7)
-    assert vehicle.autopilot._sticks == (0, 0, 500, 0)
+    with pytest.raises(LinkRefused, match="no position"):
+        vehicle.link.arm()
+    assert not vehicle.run(1.0).armed
 
 
 @pytest.mark.parametrize("command", [(math.nan, 0.1, 1.0), (0.5, math.inf, 1.0)])
@@ -425,6 +392,6 @@ def test_the_thread_reads_and_close_ends_it():
     line = AutopilotLine(SimulatedAutopilot(Body(OpenWater())), np.random.default_rng(0))
     link = MavlinkLink(line, clock=line.clock)
     with link._heard:
-        assert link._heard.wait_for(lambda: link.telemetry.mode == "MANUAL", 60.0)
+        assert link._heard.wait_for(lambda: link.telemetry.said.mode == "MANUAL", 60.0)
     link.close()
     assert not link._thread.is_alive()

@@ -1,8 +1,9 @@
-"""What ArduSub calls its modes and versions, and where its messages come from."""
+"""What ArduSub calls its modes and versions, where its messages come from, and its set-points in GUIDED."""
 
 from __future__ import annotations
 
 import importlib
+import math
 from typing import Any
 
 from coral.errors import InputError, install_extra
@@ -34,6 +35,13 @@ EKF_POSITION = 8 | 16
 """EKF_STATUS_REPORT flags of a horizontal position, relative or absolute."""
 EKF_CONST_POSITION = 128
 """The filter pretends to stand still, for want of measurements."""
+VELOCITY_AND_YAW_RATE = 0b0101_1100_0111
+"""Type mask of SET_POSITION_TARGET_LOCAL_NED: position, acceleration and yaw ignored. ArduSub drops a velocity whose
+acceleration bits are not all set (also after its changes to GUIDED in 2026, which concern positions)."""
+NEUTRAL = (0, 0, 500, 0)
+"""Axes x, y, z, r of MANUAL_CONTROL that mean: do nothing."""
+DEPTH_GAIN_1_S, DEPTH_SPEED_M_S = 0.8, 0.25
+"""Vertical speed per metre of depth error, and its limit."""
 OLDEST, TESTED = (4, 1, 0), (4, 7, 0)
 """GUIDED takes body velocities with a yaw rate from 4.1 on; the driver was tried with 4.7.0-dev."""
 
@@ -89,3 +97,10 @@ def range_down(message: Any) -> float | None:
     """Return the distance to the floor (m) in a DISTANCE_SENSOR; None if it looks elsewhere, or is out of range."""
     valid = message.min_distance <= message.current_distance <= message.max_distance
     return 0.01 * float(message.current_distance) if valid and message.orientation == DOWN else None
+
+
+def climb_rate(depth_m: float | None, wanted_m: float) -> float:
+    """Return the downward speed (m/s) that brings the vehicle to a depth; 0 where one of them is no number."""
+    if depth_m is None or not math.isfinite(depth_m) or not math.isfinite(wanted_m):
+        return 0.0
+    return min(max(DEPTH_GAIN_1_S * (wanted_m - depth_m), -DEPTH_SPEED_M_S), DEPTH_SPEED_M_S)

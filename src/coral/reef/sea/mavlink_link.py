@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import threading
 import time
@@ -12,7 +11,6 @@ from typing import Any
 
 from coral.reef.sea import ardusub
 from coral.reef.sea.link import LinkRefused, VehicleReport
-from coral.reef.sea.setpoints import FRESH_S, NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, climb_rate
 from coral.reef.sea.stations import MOST, Stations, place
 from coral.reef.sea.telemetry import Telemetry
 from coral.reef.sea.transport import Transport, VehicleAddress, open_transport
@@ -33,12 +31,8 @@ OWN_COMPONENT = 191
 """MAV_COMP_ID_ONBOARD_COMPUTER: with the same system id, QGroundControl is component 190."""
 HEARTBEAT_S = 0.5
 """Period of our heartbeats. ArduSub's failsafe acts after 5 s without (FS_GCS_TIMEOUT)."""
-STICK_S = 0.1
-"""Period of MANUAL_CONTROL when nobody commands in ALT_HOLD."""
 NEUTRAL_S = 0.5
-"""Period of neutral joystick axes in other modes, so that the failsafe of the pilot's input (3 s) rests."""
-COMMAND_S = 0.5
-"""Without a new command for this long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
+"""Period of neutral joystick axes, so that the failsafe of the pilot's input (3 s) rests."""
 ASK_AGAIN_S = 2.0
 """Messages that do not come are asked for again so often."""
 ANSWER_S = 1.0
@@ -55,9 +49,9 @@ RESULTS = {1: "temporarily rejected", 2: "denied", 3: "unsupported", 4: "failed"
 class MavlinkLink:
     """A `VehicleLink` over MAVLink: a thread reads, keeps heartbeats and streams alive; commands go out at once.
 
-    With a position estimate `arm` enters GUIDED, and commands are body-frame velocities with a yaw rate. Without one it
-    enters ALT_HOLD, and commands are joystick axes. Only orders change the mode, with one exception: when a joystick
-    moves in GUIDED, the link leaves it for POSHOLD, where the stick steers.
+    `arm` enters GUIDED, which needs a position estimate, and commands are body-frame velocities with a yaw rate. Only
+    orders change the mode, with one exception: when a joystick moves in GUIDED, the link leaves it for POSHOLD, where
+    the stick steers.
     """
 
     def __init__(
@@ -81,7 +75,6 @@ class MavlinkLink:
         self.telemetry = Telemetry(system)
         self._stations = Stations(system)
         self._warned: tuple[str, ...] = ()
-        self._sticks = StickLoop()
         self._charge = self._driving = False  # in charge since `arm`; driving until the next order
         self._ordered = ""
         self._ordered_s = -math.inf
@@ -89,8 +82,7 @@ class MavlinkLink:
         self._acks: dict[int, tuple[int, float]] = {}
         self._words: list[tuple[float, str]] = []
         self._reboots = 0
-        self._axes: tuple[int, int, int, int] = NEUTRAL
-        self._commanded_s = self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
+        self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
         self._sync_sent: dict[int, float] = {}
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True) if threaded else None
@@ -109,35 +101,21 @@ class MavlinkLink:
         if not (math.isfinite(forward_m_s) and math.isfinite(yaw_rate_rad_s)):
             forward_m_s = yaw_rate_rad_s = 0.0
         with self._lock:
-            state, now = self.telemetry, self._clock()
-            if not self._driving or self._override or not state.armed:
-                return
-            down = climb_rate(state.depth_m, depth_m)
-            dt = min(max(now - self._commanded_s, 0.0), COMMAND_S)
-            self._commanded_s = now
-            if self._ordered == "GUIDED":
-                self._send_velocity(forward_m_s, yaw_rate_rad_s, down)
-                return
-            x, y, _, r = self._sticks.axes(forward_m_s, yaw_rate_rad_s, state.motion(now - FRESH_S), dt)
-            self._axes = (x, y, self._throttle(down), r)
-            self._stick(now)
+            said = self.telemetry.said
+            if self._driving and not self._override and said.armed:
+                self._send_velocity(forward_m_s, yaw_rate_rad_s, ardusub.climb_rate(said.depth_m, depth_m))
 
     def _send_velocity(self, forward_m_s: float, yaw_rate_rad_s: float, down_m_s: float) -> None:
+        system, frame = self.telemetry.system, self._dialect.MAV_FRAME_BODY_OFFSET_NED
         self._send(
             self._dialect.MAVLink_set_position_target_local_ned_message(
-                0, self.telemetry.system, ardusub.AUTOPILOT_COMPONENT, self._dialect.MAV_FRAME_BODY_OFFSET_NED,
-                VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down_m_s, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
+                0, system, ardusub.AUTOPILOT_COMPONENT, frame, ardusub.VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0,
+                forward_m_s, 0.0, down_m_s, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
             )
         )  # fmt: skip
 
-    def _throttle(self, down_m_s: float) -> int:
-        """Return the z axis for a downward speed, past ArduSub's dead zone."""
-        if abs(down_m_s) < 0.02:
-            return 500
-        return round(min(max(500 - math.copysign(70.0, down_m_s) - 1000.0 * down_m_s, 0.0), 1000.0))
-
     def arm(self) -> None:
-        """Enter GUIDED (ALT_HOLD without a position) and arm; see `VehicleLink.arm`."""
+        """Enter GUIDED and arm; see `VehicleLink.arm`."""
         with self._lock:
             state = self.telemetry
             if state.heartbeat_s == -math.inf:
@@ -145,9 +123,9 @@ class MavlinkLink:
             faults = self._stations.faults(self._clock())
             if faults:
                 raise LinkRefused(f"not armed: {'; '.join(faults)}")
-            mode = "GUIDED" if ardusub.has_position(state.flags) else "ALT_HOLD"
-            self._axes, self._sticks.integral = NEUTRAL, 0.0
-        self._enter(mode)
+            if not state.said.has_position:
+                raise LinkRefused("not armed: the autopilot has no position")
+        self._enter("GUIDED")
         self._stick(self._clock())  # the failsafe of the pilot's input would disarm a vehicle that never had any
         self._tell_motors(True)
         with self._lock:
@@ -165,8 +143,7 @@ class MavlinkLink:
         """Enter POSHOLD (ALT_HOLD without a position); see `VehicleLink.hold`."""
         with self._lock:
             self._driving = False
-            mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"
-        self._enter(mode)
+        self._enter(self._holding_mode())
 
     def surface(self) -> None:
         """Enter SURFACE; see `VehicleLink.surface`."""
@@ -184,15 +161,14 @@ class MavlinkLink:
     def _enter(self, mode: str) -> None:
         with self._lock:
             self._ordered, self._ordered_s = mode, self._clock()
-            self._axes = NEUTRAL
         self._order(SET_MODE, (1.0, float(ardusub.NUMBERS[mode])), f"mode {mode}")
-        self._await(lambda: self.telemetry.mode == mode, f"mode {mode}")
+        self._await(lambda: self.telemetry.said.mode == mode, f"mode {mode}")
 
     def _tell_motors(self, armed: bool) -> None:
         what = "arming" if armed else "disarming"
-        if self.telemetry.armed != armed:
+        if self.telemetry.said.armed != armed:
             self._order(ARM_DISARM, (float(armed), 0.0), what)
-            self._await(lambda: self.telemetry.armed == armed, what)
+            self._await(lambda: self.telemetry.said.armed == armed, what)
 
     def _order(self, command: int, parameters: tuple[float, float], what: str) -> None:
         """Send a command until it is acknowledged.
@@ -282,7 +258,8 @@ class MavlinkLink:
         unknown = self._stations.vehicle is None
         if not self._stations.take(message, sender, now):
             return
-        if unknown:
+        if unknown and self._stations.vehicle is not None:
+            self.telemetry.system = self._stations.vehicle.system
             self._line.answer(sender)
         if not self.telemetry.take(message, now):
             return
@@ -317,30 +294,30 @@ class MavlinkLink:
         if not self._charge or self._override:
             return
         settled = state.heartbeat_s > self._ordered_s + 1.0
-        if (self._ordered, state.mode) == ("SURFACE", "ALT_HOLD"):
+        if (self._ordered, state.said.mode) == ("SURFACE", "ALT_HOLD"):
             self._ordered = "ALT_HOLD"  # ArduSub's own end of SURFACE
-        ours = (2, 3, 4) if self._driving and self._ordered == "ALT_HOLD" else ()
-        if settled and state.mode != self._ordered:
-            self._taken_over(f"mode {state.mode} was chosen elsewhere")
+        if settled and state.said.mode != self._ordered:
+            self._taken_over(f"mode {state.said.mode} was chosen elsewhere")
         elif state.foreign_stick_s > self._ordered_s or (
-            state.channels_s > self._ordered_s + 0.5 and state.stick_moved(ours)
+            state.channels_s > self._ordered_s + 0.5 and state.stick_moved()
         ):
             self._taken_over("the joystick moved")
             self._hand_over()
-        elif settled and not state.armed:
+        elif settled and not state.said.armed:
             self._charge = self._driving = False
 
     def _taken_over(self, why: str) -> None:
         self._override = True
-        self._axes = NEUTRAL
         self.telemetry.tell(4, f"coral: {why}; commands stop until the operator arms again")
 
     def _hand_over(self) -> None:
         """Leave GUIDED for a mode in which the joystick steers: GUIDED takes only its yaw, and continues for 3 s."""
         if self._ordered == "GUIDED":
             self._send_velocity(0.0, 0.0, 0.0)
-            mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"
-            self._send(self._long(SET_MODE, 1.0, float(ardusub.NUMBERS[mode])))
+            self._send(self._long(SET_MODE, 1.0, float(ardusub.NUMBERS[self._holding_mode()])))
+
+    def _holding_mode(self) -> str:
+        return "POSHOLD" if self.telemetry.said.has_position else "ALT_HOLD"
 
     def _keep_alive(self, now: float) -> None:
         """Send what is due: heartbeat, time synchronisation, requests, neutral axes."""
@@ -363,19 +340,10 @@ class MavlinkLink:
             for number, rate in STREAMS.items():
                 self._send(self._long(SET_MESSAGE_INTERVAL, float(number), 1e6 / rate))
             self._send(self._long(REQUEST_MESSAGE, float(AUTOPILOT_VERSION)))
-        if not self._charge or self._override or not state.armed:
-            return
-        if self._driving and self._ordered == "ALT_HOLD":
-            if now - self._commanded_s > COMMAND_S:
-                self._axes = NEUTRAL
-            due = STICK_S
-        else:
-            self._axes, due = NEUTRAL, NEUTRAL_S
-        if now - self._stick_s >= due:
+        if self._charge and not self._override and state.said.armed and now - self._stick_s >= NEUTRAL_S:
             self._stick(now)
 
     def _stick(self, now: float) -> None:
+        """Send neutral axes."""
         self._stick_s = now
-        x, y, z, r = self._axes
-        with contextlib.suppress(ValueError):
-            self._send(self._dialect.MAVLink_manual_control_message(self.telemetry.system, x, y, z, r, 0))
+        self._send(self._dialect.MAVLink_manual_control_message(self.telemetry.system, *ardusub.NEUTRAL, 0))
