@@ -69,7 +69,7 @@ OURS: dict[str, dict[str, str]] = {
     "rehearsal": {
         "camera": "coral.reef.rehearsal.simulated_sensors:SimulatedCamera",
         "sonar": "coral.reef.rehearsal.simulated_sensors:SimulatedSonar",
-        "truth": "coral.reef.rehearsal.truth:TruthFeed",
+        "truth": "coral.reef.rehearsal.truth:follow_truth",
     },
     "networks": {
         "classes": "coral.reef.networks.own_network:open_classes",

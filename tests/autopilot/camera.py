@@ -29,7 +29,7 @@ from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import PRESETS, apply_preset
 from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSonar
-from coral.reef.rehearsal.truth import TruthFeed
+from coral.reef.rehearsal.truth import follow_truth
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.record import ReefTruth
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
@@ -177,15 +177,16 @@ def main() -> None:
     cfg, world = apply_preset(said.preset, MissionCfg(), find_world(said.world))
     sim = cfg.simulator
     start = Pose(world.start.x, world.start.y, world.start.theta)
-    feed = TruthFeed(parse_address(said.vehicle)).run()
+    truth = follow_truth(parse_address(said.vehicle))
     begun: list[LocalFrame] = []
 
     def where() -> tuple[float, Pose] | None:
-        if (state := feed.state) is None:
+        if truth.latest is None:
             return None
+        stamp_s, pose = truth.latest
         if not begun:  # the vehicle stands at the world's start
-            begun.append(LocalFrame.from_start(state.pose, start, trust_heading=False))
-        return state.stamp_s, begun[0].to_survey(state.pose)
+            begun.append(LocalFrame.from_start(pose, start, trust_heading=False))
+        return stamp_s, begun[0].to_survey(pose)
 
     judge, scene = Judge(world, sim, Path(tempfile.mkdtemp())), Scene.from_world(world)
     painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
@@ -213,7 +214,7 @@ def main() -> None:
         threading.Event().wait()
     print(json.dumps(judge.verdict()), flush=True)
     server.close()
-    feed.close()
+    truth.close()
 
 
 if __name__ == "__main__":

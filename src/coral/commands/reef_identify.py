@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from coral.commands.keyboard import Keyboard
-from coral.commands.sail_parts import await_simulation
+from coral.commands.sail_parts import follow_truth
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
-from coral.plugins import our_part
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
 from coral.reef.sea.transport import parse_address
@@ -63,9 +62,7 @@ class ReefIdentify:
             link = MavlinkLink(parse_address(self.vehicle))
             opened.callback(link.close)
             if self.truth:
-                feed = our_part("rehearsal", "truth", "--truth")(parse_address(self.truth)).run()
-                opened.callback(feed.close)
-                await_simulation(feed)
+                follow_truth(self.truth, opened)
             elif self.yes:
                 raise InputError("--yes", "", f"{self.vehicle}, which may be a real vehicle", "--truth of a simulation")
             log = self._drive(link)

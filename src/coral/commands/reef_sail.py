@@ -280,7 +280,7 @@ class ReefSail:
                 mission.record.close()
                 raise RunError("not armed: the operator did not say so")
         mission.align(trust_heading=parts.trust_heading)
-        parts.follow(mission)
+        parts.settle()
         mission.orders.give("arm")
         mission.orders.wait(ARM_S, time.sleep)
         refusals = [result.refusal for result in mission.orders.results() if result.refusal]

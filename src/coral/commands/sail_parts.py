@@ -6,11 +6,11 @@ import dataclasses
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from coral.errors import InputError
 from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
+from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -30,10 +31,9 @@ from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.picture import CameraSource, LatestShot
+from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
 from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.transport import parse_address
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
@@ -100,7 +100,6 @@ class Parts:
     """What was opened, and how it hangs together."""
 
     link: VehicleLink
-    camera: LatestShot
     area: SurveyArea
     reef: ReefWorld | None
     """The simulated reef around the vehicle; None in real water."""
@@ -111,6 +110,7 @@ class Parts:
     """Whether the vehicle cannot be a real one."""
     truth: Callable[[], tuple[float, Pose] | None]
     """Monotonic time and true pose, in the frame of the simulation."""
+    camera: LatestShot = field(init=False)
     sonar: LatestReading[HeardImage] | None = None
     frame: LocalFrame = field(default_factory=LocalFrame)
     placed: bool = False
@@ -122,7 +122,7 @@ class Parts:
         if found is not None:
             self.frame = LocalFrame.from_start(found[1], self.area.start, trust_heading=self.trust_heading)
 
-    def follow(self, mission: SeaMission) -> None:
+    def settle(self) -> None:
         """Keep the reef where it is now: the survey begins."""
         self.place()
         self.placed = True
@@ -172,54 +172,83 @@ def open_parts(
         InputError: A name is wrong, or something does not answer.
     """
     eyes = open_eyes(cfg.perception, depth=cfg.depth, painted=flags.camera == "simulated")
-    opened: list[Any] = []
-    try:
-        if flags.vehicle == "simulated":
-            parts = _simulated(flags, area, world, cfg, depth_m)
-        else:
-            parts = _mavlink(flags, area, world, opened)
-        opened.append(parts.link)
-        source: CameraSource
-        if flags.camera == "simulated":
-            if world is None:
-                raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
-            scene, sim = Scene.from_world(world), cfg.simulator
-            painter = None
-            if sim.pictures or eyes is not None:
-                painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
-            source = our_part("rehearsal", "camera", "--camera")(
-                scene,
-                sim.camera,
-                parts.where,
-                painter=painter,
-                stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
-                noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
-            )
-        else:
-            if flags.camera.startswith("ros2:"):
-                topic, place, camera = flags.camera.removeprefix("ros2:"), _ros_place(flags), cfg.simulator.camera
-                source = our_part("ros2", "camera", "--camera")(
-                    topic, flags.camera_latency, fit, camera, place, from_file=flags.lens is not None
-                )
-            else:
-                source = VideoCamera(flags.camera, flags.camera_latency, fit)
-            parts.reef = None
-        parts.camera = LatestShot(source, eyes, cfg.simulator.camera)
-        opened.append(parts.camera)
+    with ExitStack() as opened:
+        parts = _vehicle(flags, area, world, cfg, depth_m, opened)
+        parts.camera = LatestShot(_camera(flags, world, cfg, parts, fit, eyes), eyes, cfg.simulator.camera)
+        opened.callback(parts.camera.close)
         if flags.sonar != "none":
             parts.sonar = LatestReading(_sonar(flags, world, cfg, parts), "coral-sonar")
-            opened.append(parts.sonar)
+            opened.callback(parts.sonar.close)
         yield parts
-    finally:
-        for each in reversed(opened):
-            each.close()
 
 
-def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float) -> Parts:
+def _needed(world: ReefWorld | None, where: str) -> ReefWorld:
+    if world is None:
+        raise InputError(where, "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
+    return world
+
+
+def _camera(
+    flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts, fit: Fit, eyes: RgbPerception | None
+) -> SensorSource[Shot]:
+    sim = cfg.simulator
+    if flags.camera == "simulated":
+        world = _needed(world, "--camera")
+        scene, painter = Scene.from_world(world), None
+        if sim.pictures or eyes is not None:
+            painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
+        simulated: SensorSource[Shot] = our_part("rehearsal", "camera", "--camera")(
+            scene,
+            sim.camera,
+            parts.where,
+            painter=painter,
+            stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
+            noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
+        )
+        return simulated
+    parts.reef = None
+    if not flags.camera.startswith("ros2:"):
+        return VideoCamera(flags.camera, flags.camera_latency, fit)
+    topic, from_file = flags.camera.removeprefix("ros2:"), flags.lens is not None
+    heard: SensorSource[Shot] = our_part("ros2", "camera", "--camera")(
+        topic, flags.camera_latency, fit, sim.camera, _ros_place(flags), from_file=from_file
+    )
+    return heard
+
+
+def _vehicle(
+    flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float, opened: ExitStack
+) -> Parts:
+    if flags.vehicle == "simulated":
+        return _simulated(flags, area, _needed(world, "--vehicle"), cfg, depth_m, opened)
+    kind, _, rest = flags.vehicle.partition(":")
+    link: VehicleLink
+    if kind != "mavlink" and has_plugin("coral.vehicles", kind):
+        link = named_plugin("coral.vehicles", kind, "--vehicle")(rest)
+    else:
+        link = our_part("coral.vehicles", "mavlink", "--vehicle")(parse_address(flags.vehicle))
+    opened.callback(link.close)
+
+    def reported() -> tuple[float, Pose] | None:
+        report = link.report()  # without a second address the reef is drawn around wherever the vehicle says it is
+        return None if report.pose is None else (report.pose_stamp_s, report.pose)
+
+    return Parts(
+        link=link,
+        area=area,
+        reef=world,
+        pose_source="autopilot" if kind == "mavlink" else kind,
+        trust_heading=is_survey(Path(flags.area)),
+        proven_simulation=bool(flags.truth),
+        truth=follow_truth(flags.truth, opened) if flags.truth else reported,
+    )
+
+
+def _simulated(
+    flags: SailFlags, area: SurveyArea, world: ReefWorld, cfg: MissionCfg, depth_m: float, opened: ExitStack
+) -> Parts:
     if flags.truth:
         raise InputError("--truth", "", flags.truth, "--vehicle mavlink:...; the simulated vehicle knows its own")
-    if world is None:
-        raise InputError("--vehicle", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
     outlines = Scene.from_world(world).footprints()
     sim = cfg.simulator
     link = our_part("coral.vehicles", "simulated", "--vehicle")(
@@ -229,11 +258,11 @@ def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg:
         drift=PoseDrift(sim.noise, np.random.default_rng([flags.seed, 4])),
         altitude_m=sim.camera.altitude_m,
         current=(world.current.x_m_s, world.current.y_m_s),
-        contact=(lambda x, y: clearance(outlines, x, y)) if cfg.simulator.contact == "solid" else None,
+        contact=partial(clearance, outlines) if sim.contact == "solid" else None,
     )
+    opened.callback(link.close)
     return Parts(
         link=link,
-        camera=None,  # type: ignore[arg-type]  # opened next
         area=area,
         reef=world,
         pose_source="simulated vehicle",
@@ -243,63 +272,32 @@ def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg:
     )
 
 
-def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened: list[Any]) -> Parts:
-    kind, _, rest = flags.vehicle.partition(":")
-    link: VehicleLink
-    if kind != "mavlink" and has_plugin("coral.vehicles", kind):
-        link = named_plugin("coral.vehicles", kind, "--vehicle")(rest)
-    else:
-        address = parse_address(flags.vehicle)
-        link = our_part("coral.vehicles", "mavlink", "--vehicle")(address)
-    feed: Any = None
-    if flags.truth:
-        feed = our_part("rehearsal", "truth", "--truth")(parse_address(flags.truth)).run()
-        opened.append(feed)
-        await_simulation(feed)
-
-    def truth() -> tuple[float, Pose] | None:
-        if feed is not None:
-            state = feed.state
-            return None if state is None else (state.stamp_s, state.pose)
-        report = link.report()  # without a second address the reef is drawn around wherever the vehicle says it is
-        return None if report.pose is None else (report.pose_stamp_s, report.pose)
-
-    return Parts(
-        link=link,
-        camera=None,  # type: ignore[arg-type]  # opened next
-        area=area,
-        reef=world,
-        pose_source="autopilot" if kind == "mavlink" else kind,
-        trust_heading=is_survey(Path(flags.area)),
-        proven_simulation=feed is not None,
-        truth=truth,
-    )
-
-
 def _ros_place(flags: SailFlags) -> str:
     """Return the namespace or the file of ROS parameters of the vehicle; "" for one that is not of ROS 2."""
     kind, _, place = flags.vehicle.partition(":")
     return place if kind == "ros2" else ""
 
 
-def await_simulation(feed: Any, timeout_s: float = 10.0) -> None:
-    """Wait for the state of a simulation: only a simulation tells one.
+def follow_truth(address: str, opened: ExitStack, timeout_s: float = 10.0) -> Callable[[], tuple[float, Pose] | None]:
+    """Wait for the state of a simulation at an address: only a simulation tells one. Return what tells the newest.
 
     Raises:
         InputError: None is told.
     """
+    truth = our_part("rehearsal", "truth", "--truth")(parse_address(address))
+    opened.callback(truth.close)
     end = time.monotonic() + timeout_s
-    while feed.state is None:
+    while truth.latest is None:
         if time.monotonic() > end:
             raise InputError("--truth", "", "no SIM_STATE", "the second address of a simulation in the loop")
         time.sleep(0.05)
+    return lambda: truth.latest  # type: ignore[no-any-return]
 
 
 def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SensorSource[HeardImage]:
     kind, _, place = flags.sonar.partition(":")
     if flags.sonar == "simulated":
-        if world is None:
-            raise InputError("--sonar", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
+        world = _needed(world, "--sonar")
         surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
         rng = np.random.default_rng([flags.seed, 3])
         sonar = Sonar3d15(Scene.from_world(world).resting, cfg.simulator.sonar, rng, surface_z=surface_z)

@@ -25,7 +25,7 @@ from coral.reef.world.scene import Scene
 class TrueCamera:
     """A picture from where the autopilot's body truly is, whenever one is asked for."""
 
-    labelled, name, rate_hz, failure, eyes = True, "true", 10.0, "", None
+    name, rate_hz, failure, eyes = "true", 10.0, "", None
 
     def __init__(self, voyage, cfg):
         self.voyage, self.camera, self.source = voyage, Camera(Scene.from_world(WORLD), cfg), self

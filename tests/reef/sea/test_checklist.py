@@ -13,7 +13,7 @@ from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.range_image import RangeImage
-from coral.reef.world.geometry import Pose
+from coral.reef.world.geometry import Frame, Pose
 
 AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
 GEAR = Equipment(
@@ -47,10 +47,12 @@ class Source:
     name = "simulated, 160x120"
 
     def __init__(self, labelled=True, rgb=None):
-        self.labelled, self.rgb = labelled, rgb
+        self.rgb, seen = rgb, np.zeros((6, 8), np.uint8)
+        depth, instances = np.ones((6, 8), np.float32), np.full((6, 8), -1, np.int32)
+        self.frame = Frame(depth, seen, instances, rgb) if labelled else None
 
     def read(self):
-        return Shot(stamp_s=NOW, rgb=self.rgb)
+        return Shot(stamp_s=NOW, rgb=self.rgb, frame=self.frame)
 
     def close(self): ...
 

@@ -11,7 +11,7 @@ FRAME = Frame(np.zeros((2, 2), np.float32), np.zeros((2, 2), np.uint8), np.full(
 
 
 class Source:
-    name, labelled = "test, 2x2", False
+    name = "test, 2x2"
 
     def __init__(self, shots):
         self.shots, self.closed = list(shots), False
@@ -63,13 +63,6 @@ def test_eyes_replace_what_the_simulated_camera_knows():
     camera = LatestShot(Source([Shot(stamp_s=1.0, frame=shown)]), Eyes(), SMALL, threaded=False)
     camera.step()
     assert (camera.latest.frame.labels == Label.SEABED).all()
-
-
-def test_pictures_of_another_size_are_told():
-    camera = LatestShot(Source([rgb(1.0)]), Eyes(), CameraCfg(width=4, height=2), threaded=False)
-    camera._closing.set()
-    camera.step()
-    assert camera.failure == "pictures of 2x2 px, where 4x2 are expected"
 
 
 def test_without_eyes_a_picture_has_no_frame():

@@ -48,7 +48,6 @@ class FakeClock:
 class FakeCamera:
     """Takes a picture whenever it is asked for one, unless it is blind."""
 
-    labelled = True
     name = "fake"
     rate_hz, failure, eyes, late_s = 10.0, "", None, 0.0
 

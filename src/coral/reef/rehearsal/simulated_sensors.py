@@ -52,8 +52,6 @@ class SimulatedSonar:
 class SimulatedCamera:
     """Renders depth and classes, and colours on request. Around a real autopilot the reef exists only here."""
 
-    labelled = True
-
     def __init__(
         self,
         scene: Scene,

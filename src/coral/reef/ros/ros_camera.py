@@ -34,8 +34,6 @@ class RosCamera:
         InputError: There is no ROS 2, no picture comes, or one of another camera.
     """
 
-    labelled = False
-
     def __init__(
         self,
         topic: str,

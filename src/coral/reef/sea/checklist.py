@@ -182,10 +182,11 @@ def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:
         told = f"{name}: {unfit.reason} ({unfit.detail}) - is the lens covered, the light off? will not arm"
         return [CheckLine("camera", told, "blocking")]
     lines = [CheckLine("camera", f"{name}, {rate_told(camera.rate_hz)}, last picture {max(age, 0.0):.1f} s old")]
-    if camera.eyes is not None and shot.frame is not None:
-        return [*lines, CheckLine("labels", f"{perception}, {1e3 * camera.seeing_s:.0f} ms a picture")]
-    if camera.eyes is None and camera.source.labelled:
-        return [*lines, CheckLine("labels", "exact, from the simulated camera")]
+    if shot.frame is not None:
+        seen = "exact, from the simulated camera"
+        if camera.eyes is not None:
+            seen = f"{perception}, {1e3 * camera.seeing_s:.0f} ms a picture"
+        return [*lines, CheckLine("labels", seen)]
     told = "none - its pictures have no classes and no depth: add --perception rgb or FILE.onnx; will not arm"
     return [*lines, CheckLine("labels", told, "blocking")]
 

@@ -75,7 +75,8 @@ class LatestReading(Generic[T]):
         self.refused: Counter[str] = Counter()
         """Measurements that were refused, by the name of what was wrong."""
         self.source, self._clock = source, clock
-        self._latest: T | None = None
+        self.latest: T | None = None
+        """The newest measurement."""
         self._times: list[float] = []
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True) if threaded else None
@@ -84,11 +85,6 @@ class LatestReading(Generic[T]):
 
     def _read(self) -> T | None:
         return self.source.read()
-
-    @property
-    def latest(self) -> T | None:
-        """The newest measurement."""
-        return self._latest
 
     @property
     def rate_hz(self) -> float | None:
@@ -108,7 +104,7 @@ class LatestReading(Generic[T]):
             self._closing.wait(PAUSE_S)
             return
         if found is not None:
-            self.failure, self._latest = "", found
+            self.failure, self.latest = "", found
             self._times = [*self._times[-2 * KEPT :], self._clock()]
 
     def close(self) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,21 +27,12 @@ class Shot:
     """Depth and class of every pixel; None until eyes have found them."""
 
 
-class CameraSource(SensorSource[Shot], Protocol):
-    """A camera."""
-
-    labelled: bool
-    """Whether its pictures have depth and classes of their own."""
-
-
 class LatestShot(LatestReading[Shot]):
     """Reads a camera on a thread of its own and keeps the newest picture, with what eyes saw in it."""
 
-    source: CameraSource
-
     def __init__(
         self,
-        source: CameraSource,
+        source: SensorSource[Shot],
         eyes: RgbPerception | None = None,
         camera: CameraCfg | None = None,
         *,
@@ -67,9 +57,6 @@ class LatestShot(LatestReading[Shot]):
         rgb = shot.rgb if shot.rgb is not None or shot.frame is None else shot.frame.rgb
         if rgb is None:
             return shot
-        size = (self._camera.height, self._camera.width)
-        if rgb.shape[:2] != size:
-            raise ValueError(f"pictures of {rgb.shape[1]}x{rgb.shape[0]} px, where {size[1]}x{size[0]} are expected")
         begun = self._clock()
         frame = perceive_frame(Frame.of_colours(rgb), self.eyes, self._camera, self.attitude())
         self.seeing_s = self._clock() - begun

@@ -46,8 +46,6 @@ def resized(rgb: NDArray[np.uint8], camera: CameraCfg) -> NDArray[np.uint8]:
 class VideoCamera:
     """Reads pictures of a stream. They have no depth and no classes: eyes have to find them."""
 
-    labelled = False
-
     def __init__(
         self,
         address: str,
