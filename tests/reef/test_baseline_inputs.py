@@ -9,10 +9,10 @@ from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planners import make_planner
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.assembly import make_planner
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant

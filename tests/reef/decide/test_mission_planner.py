@@ -10,9 +10,9 @@ from beds import belief_with, see
 from coral.reef.decide.mission_answer import LookFrom, Mark, MissionAnswer
 from coral.reef.decide.mission_planner import MissionPlanner, way_round
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
-from coral.reef.decide.planners import make_planner
 from coral.reef.decide.route import Goal
 from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.mission.assembly import make_planner
 
 TOLD = InstructionCfg(text="Find the ghost net.", time_s=180.0)
 

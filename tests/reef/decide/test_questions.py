@@ -4,8 +4,8 @@ from beds import belief_with
 
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.planner import AskedState
 from coral.reef.decide.questions import chosen, goal_of_dot, goal_of_step, outside, surroundings
 from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import SurveyCfg, survey

@@ -11,8 +11,8 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import Reply
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
-from coral.reef.decide.planners import make_planner
 from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.mission.assembly import make_planner
 from coral.reef.pilot.consultation import Consultation
 
 DONE, CONTRADICTION = MissionAnswer(done=True, answer="none"), MissionAnswer()

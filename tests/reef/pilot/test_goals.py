@@ -7,8 +7,8 @@ from beds import belief_with
 from coral.advisor.clock import SimulatedClock
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
-from coral.reef.decide.planners import make_planner
 from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.mission.assembly import make_planner
 from coral.reef.pilot.consultation import Decided
 from coral.reef.pilot.goals import GONE, SURVEY_ENDED, Goals
 from coral.reef.pilot.pilot_cfg import PilotCfg

@@ -17,7 +17,6 @@ from coral.errors import InputError
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
-from coral.reef.decide.planners import make_planner
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.ground_plane import ground_depth
@@ -25,6 +24,7 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
+from coral.reef.mission.assembly import make_planner
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
 from coral.reef.pilot.pilot_cfg import PilotCfg

@@ -12,20 +12,18 @@ from dataclasses import replace
 from typing import Any
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.facts import describe, waypoint_options
-from coral.reef.decide.guesses import Guess
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg
+from coral.reef.decide.planner import Answer, AskedState, HighLevelPlanner
 from coral.reef.decide.provable import finished_dot, hazard
 from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
-from coral.reef.decide.route import Goal, Route, here
+from coral.reef.decide.route import Goal
 from coral.reef.decide.said import WHY_CHARACTERS, Said, of_place, records_of, with_said
 from coral.reef.decide.survey import survey
 from coral.reef.decide.trigger import separated
 from coral.reef.map.belief import Belief
-from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.costfield import CostField
 from coral.reef.world.geometry import Pose, to_robot
 
 RING_M, STEP_RAD, RING_PASS_M, STOP_M = 2.0, math.radians(45.0), 0.8, 0.25
@@ -34,15 +32,10 @@ of which is passed so near: whoever cuts the ring short arrives with the thing a
 last goal the robot turns to the thing, asks, and waits for the answer."""
 
 
-class MissionPlanner:
+class MissionPlanner(HighLevelPlanner):
     """Asks for the next step of a mission in words."""
 
-    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
-        """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw = belief, fields, draw
-        self.cfg = cfg or PlannerCfg()
-        self.route = Route(belief, self.cfg.route, self.cfg.instruction.clear_m)
-        self.said: tuple[Said, ...] = ()
+    said: tuple[Said, ...] = ()
 
     def instruct(self, words: str) -> None:
         """Follow other words. What was ruled out was so under the old ones, and is open again."""
@@ -56,7 +49,7 @@ class MissionPlanner:
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, and where it will be when the answer comes."""
         snapshot, route = self.belief.snapshot(), self.route
-        arrival = route.arrival(way) if self.cfg.route.ahead else here(snapshot)
+        arrival = self.arrival(snapshot, way)
         goals = {goal.index for goal in arrival.goals if goal.index is not None}
         return Outlook(
             snapshot,
@@ -206,10 +199,6 @@ class MissionPlanner:
         self._keep(replace(one, skip=False) if any(one is other for other in reopened) else one for one in self.said)
         told = {"look": answer.look.side} if answer.look is not None else {}
         return {"violates": False, **told, **({"said": records_of(self.said)} if self.said else {})}
-
-    def settle(self) -> list[Guess]:
-        """Return no guesses: none are stated."""
-        return []
 
 
 def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, float]) -> list[Goal]:

@@ -9,11 +9,9 @@ from typing import Any
 
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
-from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
-from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg
+from coral.reef.decide.planner import Answer, AskedState, HighLevelPlanner, Mode
 from coral.reef.decide.questions import (
     KINDS,
     PAPER,
@@ -24,23 +22,16 @@ from coral.reef.decide.questions import (
     outside,
     surroundings,
 )
-from coral.reef.decide.route import Goal, Route
+from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import survey
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import behind_robot, verify_waypoint
-from coral.reef.map.belief import Belief
-from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.costfield import CostField
 from coral.reef.world.geometry import Pose
 
 
-class PaperPlanner:
+class PaperPlanner(HighLevelPlanner):
     """Asks as Alg. 2 does: near the goal, measured from the robot, one goal at a time."""
-
-    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
-        """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw = belief, fields, draw
-        self.cfg = cfg or PlannerCfg()
-        self.route = Route(belief, self.cfg.route)
 
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now; it is asked from where it is."""
@@ -97,14 +88,6 @@ class PaperPlanner:
             return goal_of_dot(asked, answer.selected_centroid_index, self.belief)
         return goal_of_step(asked, answer.forward_m, answer.left_m)
 
-    def onward(self, asked: AskedState, answer: Answer) -> list[Goal]:
-        """Return no further goals: the paper's answer has one."""
-        return []
-
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
         """Count a deviation (IV-E): a goal that violates Eqs. 4-8, as it was asked for."""
         return {"violates": verify_waypoint((goal.x, goal.y), asked.around, self.cfg.verify) is not None}
-
-    def settle(self) -> list[Guess]:
-        """Return no guesses: the paper's advisor states none."""
-        return []

@@ -1,24 +1,28 @@
-"""The high-level planner's interface and configuration; `planners.py` names those that there are (paper III-C)."""
+"""What every high-level planner has: its configuration, its route, and questions as values (paper III-C)."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
-from coral.advisor.question import Picture, Rejection
+from coral.advisor.question import Picture, Question, Rejection
 from coral.config import Count, NonNegative
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.route import Goal, Route, RouteCfg
-from coral.reef.decide.survey import SurveyCfg
-from coral.reef.decide.verify import VerifyCfg
-from coral.reef.map.costfield import CostField
+from coral.reef.decide.remaining import Remaining
+from coral.reef.decide.route import Arrival, Goal, Route, RouteCfg, here
+from coral.reef.decide.survey import Survey, SurveyCfg
+from coral.reef.decide.topology import RemainingTour
+from coral.reef.decide.verify import Surroundings, VerifyCfg
+from coral.reef.map.belief import Belief
+from coral.reef.map.costfield import CostField, CostFieldCfg
 
 Answer = CentroidAnswer | WaypointAnswer
 Draw = Callable[[Outlook], tuple[Picture, ...]]
+Mode = Literal["centroid", "waypoint", "mission"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,30 +73,69 @@ class PlannerCfg:
     """With one, questions tell it and `algorithm` is not used. Not in the paper."""
 
 
-class HighLevelPlanner(Protocol):
+@dataclass(frozen=True, kw_only=True)
+class AskedState:
+    """A question, and the state in which its answer is judged."""
+
+    question: Question[Any] | None
+    """None: there is nothing to choose."""
+    mode: Mode
+    outlook: Outlook
+    left: Survey
+    """What was left to explore."""
+    around: Surroundings
+    """The inputs of Eqs. 4-8."""
+    remaining: Remaining | None = None
+    """What was left, with the known ways, where that is measured."""
+    tour: RemainingTour | None = None
+    """The tour of all that was left, where one is planned."""
+    alone: Goal | None = None
+    """Where the robot goes on exploring without a question: the advisor has left that to its own tour."""
+    finished: bool = False
+    """Nothing is left that the robot could visit or explore, and it is on its way to nothing."""
+    acceptable: bool = False
+    """Whether any of the choices on offer would pass."""
+
+
+class HighLevelPlanner(ABC):
     """Turns what the robot knows into questions, and answers into verified goals."""
 
-    cfg: PlannerCfg
-    route: Route
-    """The goals that have been decided on."""
+    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
+        """Set up the planner of one robot; `draw` draws the pictures of a question."""
+        self.belief, self.fields, self.draw = belief, fields, draw
+        self.cfg = cfg or PlannerCfg()
+        told = self.cfg.instruction
+        self.route = Route(belief, self.cfg.route, told.clear_m if told.text else 0.0)
+        """The goals that have been decided on."""
 
+    def arrival(self, snapshot: Belief, way: CostField | None) -> Arrival:
+        """Return where the robot will be when the answer comes; where it is, without asking ahead."""
+        return self.route.arrival(way) if self.cfg.route.ahead else here(snapshot)
+
+    @abstractmethod
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, on its `way` to its present goal."""
 
+    @abstractmethod
     def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
         """Make a question. It reads nothing but its arguments, so it may run on another thread."""
 
+    @abstractmethod
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check an answer in the state in which it was asked, and against the map as it is now."""
 
+    @abstractmethod
     def locate(self, asked: AskedState, answer: Answer) -> Goal | Rejection | None:
         """Return the goal that an answer means; None if what it chose has vanished from the map since."""
 
     def onward(self, asked: AskedState, answer: Answer) -> list[Goal]:
         """Return the goals that an answer names after the first one."""
+        return []
 
+    @abstractmethod
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
         """Take over a choice, and return what the event of its goal tells of it."""
 
     def settle(self) -> list[Guess]:
         """Return the guesses that have come out since the last call."""
+        return []

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.planner import AskedState
 from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
 from coral.reef.map.belief import Belief

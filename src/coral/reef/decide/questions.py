@@ -11,9 +11,8 @@ from pydantic import BaseModel
 from coral.advisor.prompt import render
 from coral.advisor.question import Question, Rejection
 from coral.reef.decide.answers import CentroidAnswer
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg
+from coral.reef.decide.planner import Answer, AskedState, Draw, PlannerCfg
 from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import Survey
 from coral.reef.decide.verify import Surroundings

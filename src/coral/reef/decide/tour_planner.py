@@ -16,11 +16,10 @@ import numpy as np
 
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidAnswer, CentroidChoice, WaypointChoice
-from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg
+from coral.reef.decide.planner import Answer, AskedState, HighLevelPlanner, Mode
 from coral.reef.decide.provable import contradiction, expected_at, finished_dot, hazard, leads_nowhere, too_early_to_end
 from coral.reef.decide.questions import (
     KINDS,
@@ -33,13 +32,12 @@ from coral.reef.decide.questions import (
     surroundings,
 )
 from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, Place, what_remains
-from coral.reef.decide.route import Goal, Route, here, passed
+from coral.reef.decide.route import Goal, passed
 from coral.reef.decide.survey import idle_water, survey
 from coral.reef.decide.topology import TOLD_S, RemainingTour, plan_tour
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
-from coral.reef.map.belief import Belief
-from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.costfield import CostField
 from coral.reef.map.water import Reach
 from coral.reef.world.geometry import Pose, to_robot
 
@@ -47,27 +45,21 @@ NAMED = 3
 """Places that a question names after a refusal."""
 
 
-class TourPlanner:
+class TourPlanner(HighLevelPlanner):
     """Asks for the next goal of a survey that visits everything."""
 
-    def __init__(self, belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> None:
-        """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw = belief, fields, draw
-        self.cfg = cfg or PlannerCfg()
-        self.route = Route(belief, self.cfg.route)
-        self.guesses = GuessRecord()
-        self._advice: Mapping[str, Any] | None = None
-        self._alone = False
-        """Whether the advisor has left the rest to the robot's own tour."""
-        self._reach: tuple[tuple[int, Pose], Reach] | None = None
+    guesses = GuessRecord()
+    _advice: Mapping[str, Any] | None = None
+    _alone = False
+    """Whether the advisor has left the rest to the robot's own tour."""
+    _reach: tuple[tuple[int, Pose], Reach] | None = None
 
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, and where it will be when the answer comes."""
         snapshot, route = self.belief.snapshot(), self.route
-        arrival = route.arrival(way) if self.cfg.route.ahead else here(snapshot)
         return Outlook(
             snapshot,
-            arrival,
+            self.arrival(snapshot, way),
             under_way=bool(route.goals),
             alone=self._alone,
             latency_s=route.latency_s,

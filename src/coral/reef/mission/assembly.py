@@ -17,14 +17,17 @@ from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_parts import Verifier, Wanted
-from coral.reef.decide.planner import Draw
-from coral.reef.decide.planners import make_planner
+from coral.reef.decide.paper_planner import PaperPlanner
+from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg
+from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.decide.wordless import BlindOrders, Wordless
 from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.belief import Belief
+from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.localization import Localizer
 from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -112,6 +115,13 @@ def make_robot(
     if isinstance(pilot, TourPilot) and deciding.commands is not None:
         pilot.commands = deciding.commands
     return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), eyes=eyes)
+
+
+def make_planner(belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerCfg | None = None) -> HighLevelPlanner:
+    """Make the planner of one robot: that of missions in words where there is one, else the configured one."""
+    cfg = cfg or PlannerCfg()
+    kind = MissionPlanner if cfg.instruction.text else PaperPlanner if cfg.algorithm == "paper" else TourPlanner
+    return kind(belief, fields, draw, cfg)
 
 
 def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | None = None) -> Advisor:

@@ -12,9 +12,8 @@ from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.question import Advisor, Question, Rejection
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.own_parts import Verifier
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.planner import AskedState, HighLevelPlanner
 from coral.reef.decide.questions import chosen
 from coral.reef.drive.cost_to_go import CostToGo
 from coral.reef.pilot.leftover import chain_of

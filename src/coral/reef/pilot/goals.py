@@ -7,8 +7,7 @@ from typing import Any
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.question import Rejection
-from coral.reef.decide.asked import AskedState
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.planner import AskedState, HighLevelPlanner
 from coral.reef.decide.route import Goal
 from coral.reef.map.belief import Belief
 from coral.reef.pilot.consultation import Decided

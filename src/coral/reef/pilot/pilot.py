@@ -10,10 +10,9 @@ from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt
 from coral.advisor.fallback import failed
 from coral.advisor.question import Advisor
-from coral.reef.decide.asked import AskedState
 from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_parts import Verifier, Wanted
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.planner import AskedState, HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
 from coral.reef.drive.cost_to_go import CostToGo
