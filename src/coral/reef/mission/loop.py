@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from typing import Protocol
 
 from coral.reef.mission.robot import Robot
@@ -33,49 +34,53 @@ class SimulatedTicks:
         return round(step * self.period_s, 9)
 
 
-class LoopHooks(Protocol):
-    """What stands round the loop: record and judge; at sea also the operator, the limits and the way home."""
+class MissionLoop(ABC):
+    """Drives a robot, whatever vehicle and whatever time it has.
 
-    def located(self) -> None:
-        """The robot has observed, and knows where it is."""
+    What stands round the loop is added by a mission of its kind: record and judge; at sea also the operator, the limits
+    and the way home.
+    """
 
-    def decided(self) -> None:
-        """The robot has decided; its command may still be changed."""
-
-    def commanded(self) -> str:
-        """The command is out and the step is counted. Return why the mission is over, or ""."""
-
-
-class MissionLoop:
-    """Drives a robot, whatever vehicle and whatever time it has."""
-
-    def __init__(self, robot: Robot, ticks: Ticks, hooks: LoopHooks) -> None:
-        self._robot, self._ticks, self._hooks = robot, ticks, hooks
+    def __init__(self, robot: Robot, ticks: Ticks) -> None:
+        self.robot, self._ticks = robot, ticks
         self.step, self.t = 0, 0.0
         """Ticks that are done, and the time of the mission (s)."""
         self.end_reason = ""
+        """Why the mission is over, or ""."""
         self.control_ms: list[float] = []
         """Wall time of the robot's computation at each tick (ms)."""
         self.tick_ms: list[float] = []
         """Wall time of each tick (ms), without waiting."""
 
+    @abstractmethod
+    def located(self) -> None:
+        """The robot has observed, and knows where it is."""
+
+    def decided(self) -> None:
+        """The robot has decided; its command may still be changed."""
+        return
+
+    @abstractmethod
+    def commanded(self) -> str:
+        """The command is out and the step is counted. Return why the mission is over, or ""."""
+
     def advance(self) -> None:
         """Run one control tick."""
-        robot = self._robot
+        robot = self.robot
         self.t, dt = self._ticks.begin(self.step)
         begun = time.perf_counter()
         robot.sense(self.t)
         thinking = time.perf_counter()
         robot.localize(dt)
         located_s = time.perf_counter() - thinking
-        self._hooks.located()
+        self.located()
         thinking = time.perf_counter()
         # The wait for a due reply, while simulated time stands still, is no part of the control period.
         waited = robot.think()
         self.control_ms.append(1e3 * (located_s + time.perf_counter() - thinking - waited))
-        self._hooks.decided()
+        self.decided()
         self.step += 1
         self.t = self._ticks.end(self.step)
         robot.act()
-        self.end_reason = self._hooks.commanded()
+        self.end_reason = self.commanded()
         self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))

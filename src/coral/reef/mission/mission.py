@@ -39,7 +39,7 @@ from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance, require_empty
 
 
-class Mission:
+class Mission(MissionLoop):
     """Couples the simulated reef with the pilot of its robot, and records the mission."""
 
     def __init__(
@@ -122,7 +122,7 @@ class Mission:
             commands=commands,
         )
         self.vehicle = SimulatedVehicle(self.simulator, cfg.control_period_s, self.emit)
-        self.robot = make_robot(
+        robot = make_robot(
             cfg,
             deciding,
             self.vehicle,
@@ -133,8 +133,8 @@ class Mission:
             self.emit,
             eyes=eyes,
         )
-        self.belief, self.driver, self.pilot = self.robot.belief, self.robot.driver, self.robot.pilot
-        self.loop = MissionLoop(self.robot, SimulatedTicks(cfg.control_period_s), self)
+        super().__init__(robot, SimulatedTicks(cfg.control_period_s))
+        self.belief, self.driver, self.pilot = robot.belief, robot.driver, robot.pilot
         self.collisions = self.calls = 0
         self.answer: str | None = None
         """What the advisor answered when it said that a mission in words was done."""
@@ -183,36 +183,10 @@ class Mission:
             self._wall = time.perf_counter() - started - self._stood_still_s - judging
         return self._finish()
 
-    @property
-    def step(self) -> int:
-        """Number of ticks that are done."""
-        return self.loop.step
-
-    @property
-    def t(self) -> float:
-        """Simulated time (s)."""
-        return self.loop.t
-
-    @property
-    def end_reason(self) -> str:
-        """Why the mission is over, or ""."""
-        return self.loop.end_reason
-
-    @end_reason.setter
-    def end_reason(self, reason: str) -> None:
-        self.loop.end_reason = reason
-
-    def advance(self) -> None:
-        """Run one control tick."""
-        self.loop.advance()
-
     def located(self) -> None:
         """Keep pictures and map, if they are due."""
         if self.robot.picture is not None:
             self.frames.offer(self.step, self.t, self.belief.map.cells, self.robot.picture, self.robot.taken_at)
-
-    def decided(self) -> None:
-        """Let the robot do what it decided."""
 
     def commanded(self) -> str:
         """Judge and record the tick. Return why the mission is over, or ""."""
@@ -297,7 +271,7 @@ class Mission:
         return self.pilot.instruct if self.cfg.planner.instruction.text else None
 
     def _finish(self) -> dict[str, Any]:
-        timing = timing_of(self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms)
+        timing = timing_of(self._wall, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms)
         metrics = compute_metrics(self.writer.folder)
         self.writer.json(RunFiles.METRICS, metrics)
         self.writer.json(RunFiles.TIMING, timing)

@@ -73,7 +73,7 @@ class Crew:
     """Draws the pictures of a question."""
 
 
-class SeaMission:
+class SeaMission(MissionLoop):
     """Stands round the loop in real time: supervises the vehicle, and records what happens."""
 
     def __init__(
@@ -118,7 +118,7 @@ class SeaMission:
         self.clock = decision_clock or WallClock(self._thread, latency)
         response = self.response = cfg.response or VehicleResponse.of_vehicle(sim.vehicle)
         self.vehicle = LinkVehicle(crew.link, crew.camera, crew.sonar, frame or LocalFrame(), response, cfg.depth_m)
-        self.robot = make_robot(
+        robot = make_robot(
             mission,
             Deciding(advisor=advisor, log=self.record.attempt, draw=crew.draw or (lambda outlook: ())),
             self.vehicle,
@@ -129,7 +129,9 @@ class SeaMission:
             self.emit,
             response=response,
         )
-        self.belief, self.pilot = self.robot.belief, self.robot.pilot
+        self.ticks = RealTicks(mission.control_period_s, clock, sleep)
+        super().__init__(robot, self.ticks)
+        self.belief, self.pilot = robot.belief, robot.pilot
         self.states = self.pilot.safety.states
         """What the vehicle is doing, and why."""
         self.robot.localizer.recall(landmarks or LandmarkMap())
@@ -140,27 +142,10 @@ class SeaMission:
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s, sees_m=lambda: self.belief.map.sees_m)
         go_home = partial(self.pilot.go_home, *area.start[:2])
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, go_home)
-        self.ticks = RealTicks(mission.control_period_s, clock, sleep)
-        self.loop = MissionLoop(self.robot, self.ticks, self)
         self._recording, self.notice = True, ""
         """notice: what would end the vehicle's state; "" if there is nothing to say."""
         self.picture_age_ms: list[float] = []
         """Age of each new picture in the tick that used it (ms): latency of the camera, time of the eyes, waiting."""
-
-    @property
-    def step(self) -> int:
-        """Number of ticks that are done."""
-        return self.loop.step
-
-    @property
-    def t(self) -> float:
-        """Time since the survey began (s)."""
-        return self.loop.t
-
-    @property
-    def end_reason(self) -> str:
-        """Why the survey is over, or ""."""
-        return self.loop.end_reason
 
     @property
     def report(self) -> VehicleReport:
@@ -210,19 +195,19 @@ class SeaMission:
                     self.advance(idle)
                     for observer in observers:
                         observer.tick(self)
-                        self.loop.end_reason = self.end_reason or observer.stop_requested()
+                        self.end_reason = self.end_reason or observer.stop_requested()
             finally:
                 result = self._finish()
         return result
 
     def advance(self, idle: IdleCollector | None = None) -> None:
         """Run one control tick; `idle` may use what is left of its time."""
-        self.loop.advance()
+        super().advance()
         late = self.ticks.rate.count.late
         spare_s = self.ticks.rate.finish()
         if self.ticks.rate.count.late > late:
             behind_ms = round(1e3 * (self.ticks.rate.period_s - spare_s))
-            control_ms = round(self.loop.control_ms[-1])
+            control_ms = round(self.control_ms[-1])
             self.emit("late_tick", behind_ms=behind_ms, woken_ms=self.ticks.woken_ms, control_ms=control_ms)
         if idle is not None:
             idle.offer(spare_s)
@@ -327,7 +312,7 @@ class SeaMission:
 
     def _finish(self) -> dict[str, Any]:
         """Leave the vehicle as the end asks for, write the results, and return them."""
-        self.loop.end_reason = self.end_reason or "failed"
+        self.end_reason = self.end_reason or "failed"
         self.supervisor.finish()
         self.pilot.stop(self.end_reason)
         if self._threaded:
@@ -368,9 +353,9 @@ class SeaMission:
             "tether_turns": round(self.report.tether_turns, 2),
             "position_sigma_m": round(math.hypot(*self.robot.localizer.sigma[:2]), 3),
         }
-        loop, wall_s = self.loop, self._clock() - self.vehicle.began_s
+        wall_s = self._clock() - self.vehicle.began_s
         ages = {"picture_age_ms": self.picture_age_ms}
-        timing = timing_of(wall_s, self.t, control_ms=loop.control_ms, tick_ms=loop.tick_ms, **ages)
+        timing = timing_of(wall_s, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms, **ages)
         if not record.work.failure:
             record.writer.json(RunFiles.METRICS, metrics)
             record.writer.json(RunFiles.TIMING, timing)
