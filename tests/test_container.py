@@ -81,13 +81,6 @@ def test_surveys_outlive_the_container():
     assert bind.partition(":")[0] in PAGE
 
 
-def test_the_service_announces_what_blueos_asks_for():
-    asked = {"name": str, "description": str, "icon": str, "company": str, "version": str, "webpage": str, "api": str}
-    assert {name: type(SERVICE[name]) for name in asked} == asked
-    assert SERVICE["icon"].startswith("mdi-")
-    assert "<title>" in PAGE
-
-
 def test_the_page_shows_commands_that_the_program_has():
     shown = re.findall(r"coral (reef sail .*)", re.sub(r"</pre>", "\n", PAGE))
     assert len(shown) >= 3

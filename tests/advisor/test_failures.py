@@ -20,13 +20,10 @@ def http(status, body="no"):
     ("error", "code", "retry", "final"),
     [
         (http(401), "key-refused", False, True),
-        (http(403), "key-refused", False, True),
         (http(404), "no-such-model", False, True),
         (http(400), "http-400", False, True),
-        (http(408), "http-408", True, False),
         (http(429), "http-429", True, False),
         (http(500), "http-500", True, False),
-        (http(503), "http-503", True, False),
         (wrong.ModelAPIError("m", "refused"), "connection", True, False),
         (wrong.UserError("no such mode"), "client-error", False, True),
         (TypeError("odd reply"), "client-error", False, False),

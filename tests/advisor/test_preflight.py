@@ -9,7 +9,6 @@ import pytest
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.preflight import model_of, preflight
-from coral.advisor.rules import RuleAdvisor
 from coral.cli import main
 from coral.erring.fallible import FallibleAdvisor
 from coral.errors import InputError
@@ -55,22 +54,12 @@ def test_a_model_that_answers_passes_with_one_request(stub, pictures):
     assert ("image_url" in json.dumps(server.requests[0]["body"])) == pictures
 
 
-def test_no_picture_is_sent_where_the_configuration_sends_none(stub):
-    server = stub(seeing(stub, eyes=False))
-    preflight(advisor(server.url, ModelCfg(pictures=False)), pictures=True)
-    assert "image_url" not in json.dumps(server.requests[0]["body"])
-
-
 def test_the_model_inside_an_advisor_that_errs_is_asked(stub):
     inside = advisor(stub(stub.error(404)).url)
     spoilt = FallibleAdvisor(FallibleAdvisor(inside, 0.0, None), 0.0, None)
     assert model_of(spoilt) is inside
     with pytest.raises(InputError, match="no-such-model"):
         preflight(spoilt, pictures=False)
-
-
-def test_who_asks_no_model_is_not_asked():
-    preflight(RuleAdvisor({}), pictures=True)
 
 
 @pytest.mark.parametrize(
@@ -106,15 +95,6 @@ def test_a_dead_address_is_refused_before_anything_is_written(dead, stub, tmp_pa
     assert (out, err.count("\n")) == ("", 1)
     assert "connection" in err
     assert "--no-preflight" in err
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("words", COMMANDS)
-def test_a_model_that_is_not_there_is_refused_before_anything_is_written(stub, tmp_path, monkeypatch, capsys, words):
-    monkeypatch.chdir(tmp_path)
-    address = f"fallible:0.1:local:{stub(stub.error(404, 'no such model')).url}#m"
-    assert main([*words, address, *FLAGS, "--out", str(tmp_path / "out")]) == 2
-    assert "no-such-model" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -41,11 +41,6 @@ def test_a_file_comes_before_a_shipped_recording_of_its_name(tmp_path, monkeypat
     assert not find_recording("nothing").exists()
 
 
-def test_shipped_recordings_can_be_read():
-    for name in shipped_recordings():
-        assert len(read_attempts(find_recording(name), "--advisor")) >= 1
-
-
 def test_a_reply_is_repeated_with_its_latency_and_usage(tmp_path):
     reply = repeat(entry(), QUESTION, tmp_path)
     assert (reply.value, reply.latency_s) == (Pick(index=4), 2.5)

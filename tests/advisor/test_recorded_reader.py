@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from coral.advisor.parse import parse_answer
-from coral.advisor.prompt import version
 from coral.advisor.recorded import is_recorded
 from coral.advisor.recorded_attempts import SHIPPED, read_attempts, shipped_recordings
 from coral.advisor.replay import ReplayAdvisor
@@ -93,19 +92,6 @@ def test_every_shipped_task_was_answered_and_no_other():
         assert {"physical-parameters", "cost-function"} <= kinds, task
         assert is_recorded(task)
     assert not is_recorded("pull-cart")
-
-
-def test_the_prompts_have_changed_since():
-    recorded = {(entry["kind"], entry["prompt_version"]) for name in NAMES for entry in attempts(name)}
-    assert {kind for kind, of in recorded if of != version(kind)} == {
-        "cost-repair",
-        "contact-regions",
-        "cost-function",
-        "physical-parameters",
-        "reef-centroid",
-        "reef-waypoint",
-        "unified",
-    }
 
 
 def test_reasons_for_refusals_are_those_of_today():

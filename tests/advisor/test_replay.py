@@ -198,11 +198,6 @@ def test_file_that_is_no_recording(tmp_path, text, says):
         ReplayAdvisor(tmp_path)
 
 
-def test_missing_recording(tmp_path):
-    with pytest.raises(InputError, match="No such file"):
-        ReplayAdvisor(tmp_path / "nothing.jsonl")
-
-
 ODD = ["x", 1, None, [1], {"a": 1}, [{}], 1e400, -1e300, 10**400, True, "\ud800", [[]]]
 
 
@@ -230,13 +225,6 @@ def test_odd_values_in_a_recording_are_one_line_or_an_answer(tmp_path):
         except (AdvisorUnavailable, BadAnswer) as told:
             assert told.latency_s is None or told.latency_s >= 0  # noqa: PT017
     assert refused > 50
-
-
-@pytest.mark.parametrize("deep", ["[" * 100_000, '{"a":' * 100_000])
-def test_a_line_nested_without_end_is_no_attempt(tmp_path, deep):
-    (tmp_path / "deep.jsonl").write_text(f"{deep}\n{{}}\n")
-    with pytest.raises(InputError, match="line 1: found no JSON"):
-        ReplayAdvisor(tmp_path / "deep.jsonl")
 
 
 def test_a_pipe_is_no_recording(tmp_path):

@@ -167,10 +167,6 @@ def test_a_restart_is_silent_disarmed_and_counts_from_zero():
     assert station.wait(0.5).of("ATTITUDE")[-1].time_boot_ms < before
 
 
-def test_no_restart_under_way():
-    assert Station().guided().order(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == 4
-
-
 def test_a_restart_under_way_only_where_it_is_forced():
     station = Station().guided()
     assert station.order(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1, 0, 0, 0, 0, 20190226) == 0
@@ -188,16 +184,6 @@ def test_a_leak_reported_by_a_sensor_elsewhere_surfaces():
     station.say(mavlink.MAVLink_sys_status_message(water, water, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)).wait(0.2)
     assert station.autopilot.mode == "SURFACE"
     assert "Leak Detected" in station.texts()
-
-
-def test_parameters_are_read_and_written():
-    station = Station()
-    station.say(mavlink.MAVLink_param_set_message(1, 1, b"BATT_LOW_VOLT", 13.5, 9)).wait(0.1)
-    station.say(mavlink.MAVLink_param_request_read_message(1, 1, b"FS_GCS_ENABLE", -1)).wait(0.1)
-    seen = station.of("PARAM_VALUE")
-    assert [(m.param_id, m.param_value) for m in seen] == [("BATT_LOW_VOLT", 13.5), ("FS_GCS_ENABLE", 2.0)]
-    station.say(mavlink.MAVLink_param_request_list_message(1, 1)).wait(0.1)
-    assert len(station.of("PARAM_VALUE")) == 2 + len(station.autopilot.parameters.names)
 
 
 def test_messages_come_as_often_as_asked():

@@ -37,12 +37,6 @@ def test_without_thrust_it_comes_to_rest_and_rises():
     assert body.depth_m == 0.0
 
 
-def test_it_does_not_leave_the_water():
-    body = moved(lambda b, dt: b.swim(0.0, 0.0, -1.0, dt), 10)
-    assert body.depth_m == 0.0
-    assert body.down_m_s == 0.0
-
-
 def test_a_reef_has_obstacles_that_are_counted_and_stop_it():
     waters = ReefWaters("s1")
     obstacle = waters.mover.world.obstacles[0]
@@ -52,9 +46,3 @@ def test_a_reef_has_obstacles_that_are_counted_and_stop_it():
         body.swim(0.5, 0.0, 0.0, 0.05)
     assert waters.collisions == 1
     assert 0.5 < waters.distance_m < 1.5
-
-
-def test_open_water_has_none():
-    waters = ReefWaters("")
-    waters.act((0.5, 0.0), 0.05)
-    assert waters.collisions == 0

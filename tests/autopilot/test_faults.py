@@ -4,7 +4,7 @@ import pytest
 
 from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
 from autopilot.body import Body, OpenWater
-from autopilot.faults import FAULTS, FaultPlan, LineCondition, LinkFault, parse_fault
+from autopilot.faults import FaultPlan, LineCondition, parse_fault
 from coral.errors import InputError
 
 
@@ -43,17 +43,6 @@ def test_every_fault_does_what_it_says(text, seen):
     autopilot, line, happened = after(text, 4.0)
     assert happened
     assert seen(autopilot, line)
-
-
-def test_the_list_is_whole():
-    assert set(FAULTS) == {
-        "refuse-arming", "low-battery", "position-lost", "leak", "reboot", "clock-jump", "pilot", "link-loss",
-        "packet-loss",
-    }  # fmt: skip
-
-
-def test_a_fault_with_a_duration_is_read():
-    assert parse_fault("60:link-loss:5") == LinkFault(at_s=60.0, name="link-loss", seconds=5.0)
 
 
 @pytest.mark.parametrize("text", ["", "leak", "10:leek", "x:leak", "nan:leak", "-1:leak", "1:leak:inf", "1e9:leak"])

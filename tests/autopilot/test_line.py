@@ -15,23 +15,11 @@ def listen(line, seconds):
     return [data for _ in range(round(seconds / 0.05)) if (data := line.receive(0.05))]
 
 
-def test_time_goes_on_by_reading():
-    one = line()
-    assert len(listen(one, 5.0)) == 5
-    assert abs(one.clock() - 5.0) < 1e-9
-
-
 def test_a_cut_line_is_silent_while_the_vehicle_goes_on():
     one = line()
     one.cut = True
     assert listen(one, 5.0) == []
     assert abs(one.autopilot.time_s - 5.0) < 1e-9
-
-
-def test_half_of_the_datagrams_are_lost():
-    one = line()
-    one.loss = 0.5
-    assert 30 < len(listen(one, 100.0)) < 70
 
 
 def test_delay_keeps_datagrams_back():

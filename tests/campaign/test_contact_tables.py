@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from coral.campaign.contact_tables import PAPER, contact_tables, short_name
+from coral.campaign.contact_tables import contact_tables, short_name
 from coral.campaign.table import document
 
 
@@ -106,15 +106,6 @@ def test_what_broke_off_is_told_where_it_belongs():
     assert [("Advisor: a." in table.caption, any("left out" in note for note in table.notes)) for table in made] == [
         (True, False)
     ] * 4 + [(False, True)] * 2
-
-
-def test_the_papers_table_is_complete():
-    assert all(len(line) == len(PAPER["tasks"]) == 6 for line in PAPER["1"].values())
-    assert all(
-        0 <= count <= 10 and (seconds is None) == (count == 0)
-        for line in PAPER["1"].values()
-        for count, seconds in line
-    )
 
 
 @pytest.mark.parametrize("form", ["md", "tex", "html"])

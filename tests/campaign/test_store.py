@@ -5,7 +5,6 @@ import pytest
 from coral.campaign import store as store_module
 from coral.campaign.store import Store
 from coral.errors import InputError
-from coral.file_writer import write_whole
 
 
 @pytest.fixture
@@ -139,11 +138,3 @@ def test_a_folder_that_is_no_campaign_is_refused(store, content):
     store.manifest_path.write_text(content)
     with pytest.raises(InputError, match=r"manifest\.json"):
         store.records()
-
-
-def test_a_file_is_replaced_as_a_whole(tmp_path):
-    path = tmp_path / "deep" / "file.json"
-    write_whole(path, b"one")
-    write_whole(path, b"two")
-    assert path.read_bytes() == b"two"
-    assert [p.name for p in path.parent.iterdir()] == ["file.json"]

@@ -38,12 +38,6 @@ def test_a_mission_shows_coverage_collisions_and_calls(shown):
     assert "25 % covered · 2 collisions · 3 calls" in shown(MissionProgress(), Running())
 
 
-def test_one_call_is_no_calls(shown):
-    running = Running()
-    running.calls, running.collisions = 1, 1
-    assert "1 collision · 1 call ·" in shown(MissionProgress(), running)
-
-
 def test_a_bar_moves_once_a_second_and_at_the_end(shown):
     ticks = Running("first", step=10), Running("between", step=15)
     assert "first" in (text := shown(MissionProgress(), *ticks))
@@ -67,10 +61,6 @@ def test_an_episode_shows_its_stage_and_the_conditions_that_hold(shown):
     text = shown(EpisodeProgress(), episode)
     assert "pick-box" in text
     assert "reach [/red]xxxxxxxxxxxxxxxxx… · 2 of 3 conditions" in text
-
-
-def test_a_quiet_bar_shows_nothing(shown):
-    assert shown(MissionProgress(quiet=True), Running()) == ""
 
 
 def test_a_reefs_command_does_not_load_the_contact_system():

@@ -40,16 +40,6 @@ def test_a_run_its_mcap_file_and_its_bag_give_the_same_oysters(survey_run, tmp_p
     assert made[0][0] > 200
 
 
-def test_pictures_with_poses_and_a_camera_file(survey_run, tmp_path, told):
-    (tmp_path / "camera.yaml").write_text("{width: 80, height: 60}\n")
-    code, out, _ = told(
-        "reef", "map", survey_run / "frames", "--camera", tmp_path / "camera.yaml", "--out", tmp_path / "m", "--json"
-    )
-    assert code == 0
-    assert out["clusters"] == 1
-    assert "true_area_m2" not in out
-
-
 def test_what_is_no_recording_is_one_line(tmp_path, told):
     (tmp_path / "text.mcap").write_text("no")
     for path in (tmp_path / "text.mcap", tmp_path, tmp_path / "gone"):
@@ -129,13 +119,6 @@ def test_doubtful_oysters_do_not_count(colour_run, network, tmp_path, told):
     )
     assert code == 0
     assert made["oyster_cells"] == 0
-
-
-def test_the_shipped_network_maps_a_recording(colour_run, tmp_path, told):
-    code, made, error = told("reef", "map", colour_run, "--perception", "painted", "--out", tmp_path / "m", "--json")
-    assert code == 0, error
-    assert made["perception"] == "painted"
-    assert made["keyframes"] == 41
 
 
 def test_eyes_of_another_package_map_a_recording(colour_run, tmp_path, told, monkeypatch):

@@ -171,21 +171,6 @@ def test_an_action_refuses_the_flags_that_it_does_not_read(action):
             "driven in real time",
         ),
         (
-            "reef bench --cfg.record.no-frames",
-            "coral reef bench: --cfg.record.frames: found a setting that it never reads, expected nothing: it keeps "
-            "no pictures and no report",
-        ),
-        (
-            "reef eyes score --steps 3",
-            "coral reef eyes score: --steps: found a setting that it never reads, expected --perception, --labelled, "
-            "and either --worlds, --waters, --pictures, --seed or --oysters",
-        ),
-        (
-            "reef eyes score --labelled here --worlds s1",
-            "coral reef eyes score --labelled: --worlds: found a setting that it never reads, expected --perception, "
-            "--labelled and --oysters",
-        ),
-        (
             "reef eyes train --perception rgb",
             "coral reef eyes train: --perception: found a setting that it never reads, expected --labelled, --oysters, "
             "--without, --reefs, --pictures, --steps, --batch, --device, --limit-s, --begin, --threads, --out, --seed",

@@ -64,15 +64,3 @@ def test_the_headlight_falls_with_the_angle_to_the_ray():
 
 def test_a_surface_that_faces_up_has_the_lamp_on_it():
     assert light(UP) == [[153] * 3]  # (0.3 + 0.3) of 255
-
-
-def test_what_is_turned_away_from_both_has_the_ambient_light_alone():
-    assert light([0.0, 1.0, 0.0]) == [[77] * 3]  # 0.3 of 255
-
-
-def test_colours_are_those_of_the_solids():
-    assert light(AHEAD, colour=np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]), solid=1) == [[179, 89, 0]]
-
-
-def test_where_nothing_is_seen_is_sky():
-    assert light([0.0, 0.0, 0.0], solid=-1) == [[191, 209, 230]]

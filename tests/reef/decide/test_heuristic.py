@@ -89,11 +89,6 @@ def test_a_goal_that_failed_is_put_off():
     assert answer.selected_centroid_index == 1
 
 
-def test_oysters_seen_from_afar_are_dots_like_others():
-    answer = choose_centroid(facts([centroid(4, 9.0, 0.0, far=True, left_m2=None)]), ())
-    assert answer.selected_centroid_index == 4
-
-
 def test_without_clusters_the_index_is_null():
     assert choose_centroid(facts(), ()).selected_centroid_index is None
 
@@ -139,7 +134,3 @@ def test_after_a_refusal_another_direction_is_named():
 def test_the_rest_is_left_to_the_robot_when_no_dot_is_left(visited, rest):
     known = [centroid(0, 2.0, 0.0, visited=visited)]
     assert choose_waypoint(facts(known, [frontier(5.0, 0.0)], GRID), []).explore_rest == rest
-
-
-def test_before_anything_is_found_the_rules_choose_themselves():
-    assert not choose_waypoint(facts((), [frontier(5.0, 0.0)], GRID), []).explore_rest

@@ -1,4 +1,3 @@
-import json
 import math
 from collections import Counter
 
@@ -6,14 +5,9 @@ import numpy as np
 import pytest
 
 from coral.advisor.question import Question
-from coral.advisor.registry import make_advisor
 from coral.advisor.setting import Earlier
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
-from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.mission.mission import Mission
-from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.record import RecordCfg
 
 ERR = {mistake.name: mistake.err for mistake in REEF_MISTAKES}
 
@@ -87,26 +81,3 @@ def test_a_stale_answer_is_ten_seconds_old_at_least():
     assert err("stale", question, chosen(3), earlier)["selected_centroid_index"] == 1
     assert err("stale", question, chosen(1), earlier) is None  # still right
     assert err("stale", centroid((4, 0), asked_at_s=9.0), chosen(3), earlier[:1]) is None
-
-
-@pytest.mark.parametrize("mistake", REEF_MISTAKES, ids=lambda mistake: mistake.name)
-def test_where_a_mistake_is_found_is_said_with_a_paper_or_not_at_all(mistake):
-    assert mistake.what
-    assert not mistake.found_in or "arXiv:" in mistake.found_in
-
-
-def test_every_error_of_a_mission_is_in_its_log(pond, tmp_path):
-    cfg = MissionCfg(
-        time_limit_s=25.0, stop_when_covered=False, latency="fixed:1", record=RecordCfg(pictures=False, frames=False)
-    )
-    rng = np.random.default_rng(1)
-    spec = "sloppy:dots=0.3+mirrored=0.3+rotated=0.2+stale=0.2:heuristic"
-    advisor = make_advisor(spec, rules=REEF_RULES, rng=rng, mistakes=REEF_MISTAKES)
-    result = Mission(pond, cfg, advisor, tmp_path / "run").run()
-    assert result["answers"]["malformed"] == result["answers"]["missing"] == 0
-    lines = [json.loads(line) for line in (tmp_path / "run" / "attempts.jsonl").read_text().splitlines()]
-    logged = [fault for line in lines for fault in line["usage"]["faults"]]
-    assert logged
-    events = [json.loads(line) for line in (tmp_path / "run" / "events.jsonl").read_text().splitlines()]
-    assert [fault for e in events if e["event"] == "verdict" for fault in e.get("faults", ())] == logged
-    assert all(fault.removeprefix("sloppy-") in ERR for fault in logged)

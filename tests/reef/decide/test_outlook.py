@@ -1,7 +1,7 @@
 import math
 from dataclasses import replace
 
-from beds import belief_with, see
+from beds import belief_with
 
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.route import Arrival, here
@@ -18,12 +18,3 @@ def test_only_clusters_in_front_of_the_arrival_are_ahead():
     turned = replace(here(belief), pose=Pose(10.0, 10.0, math.pi))
     assert isinstance(turned, Arrival)
     assert places(Outlook(belief, turned).ahead(1.0)) == [(6.0, 10.0)]
-
-
-def test_what_will_be_done_on_arrival_is_not_left():
-    belief = belief_with([(14.0, 10.0), (6.0, 10.0)])
-    see(belief, 0)
-    outlook = Outlook(belief, here(belief), closed=frozenset({1}))
-    assert outlook.unvisited() == []
-    assert all(outlook.done(track) for track in belief.tracks)
-    assert places(belief.unvisited()) == [(6.0, 10.0)]

@@ -1,11 +1,10 @@
 import numpy as np
-import pytest
 from beds import belief_with, see
 
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.provable import finished_dot, hazard, leads_nowhere
+from coral.reef.decide.provable import finished_dot, leads_nowhere
 from coral.reef.decide.remaining import Place, what_remains
-from coral.reef.decide.route import Goal, here
+from coral.reef.decide.route import here
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.costfield import CostFieldCfg
 
@@ -37,12 +36,3 @@ def test_a_dot_that_was_done_is_refused_and_says_why():
     assert "seen from near" in finished_dot(outlook, 0).reason
     assert "present goal" in finished_dot(outlook, 1).reason
     assert finished_dot(outlook, 2) is None
-
-
-@pytest.mark.parametrize(("x", "code"), [(16.0, "blocked"), (8.0, None)])
-def test_obstacles_are_a_hazard(x, code):
-    belief = belief_with([])
-    belief.map.obstacle[:, 260:264] = True
-    reach = belief.water(CostFieldCfg()).reach(10.0, 10.0)
-    refusal = hazard(Goal(x=x, y=10.0), reach)
-    assert (refusal and refusal.code) == code

@@ -3,10 +3,9 @@ from dataclasses import replace
 from beds import belief_with
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import AskedState
-from coral.reef.decide.questions import chosen, goal_of_dot, goal_of_step, outside, surroundings
+from coral.reef.decide.questions import goal_of_dot, goal_of_step, outside, surroundings
 from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.costfield import CostFieldCfg
@@ -45,14 +44,3 @@ def test_a_step_is_measured_from_the_arrival_and_ends_where_the_map_does():
     assert (goal.x, goal.y) == (12.0, 13.0)
     assert outside(goal, belief) is None
     assert outside(Goal(x=21.0, y=3.0), belief).code == "outside"
-
-
-def test_surroundings_are_those_of_the_snapshot():
-    around = asked_of(belief_with([(14.0, 10.0), (6.0, 10.0)])).around
-    assert around.ahead == [(14.0, 10.0)]
-    assert sorted(around.chain) == [(6.0, 10.0), (14.0, 10.0)]
-
-
-def test_details_name_the_choice():
-    assert chosen(CentroidAnswer(selected_centroid_index=3)) == {"index": 3}
-    assert chosen(WaypointAnswer(forward_m=1, left_m=-2)) == {"forward_m": 1, "left_m": -2}

@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from beds import belief_with
 
 from coral.reef.decide import remaining as module
@@ -39,11 +38,6 @@ def test_nearer_is_along_known_ways_and_straight_to_the_rest(monkeypatch):
     behind_wall = remaining_of([(14.0, 10.0)], wall=True)
     assert behind_wall.fields[0].lookup(10.0, 10.0) > 10.0
     assert nearer(behind_wall, (10.0, 12.0), (7.0, 10.0)) == [True, False]
-
-
-def test_obstacles_can_cut_places_off():
-    remaining = remaining_of([(10.0, 14.0)])
-    assert [place.x for place in remaining.places] == pytest.approx([10.0])
 
 
 def test_water_beside_the_reef_promises_more_than_water_far_from_it():

@@ -21,10 +21,6 @@ def test_doubtful_pixels_become_water_by_the_limit_of_their_class():
     assert np.isinf(kept.depth).tolist() == [[True, False, True, False]]
 
 
-def test_a_class_that_does_not_exist_is_left_to_the_checks_of_the_map():
-    assert drop_doubtful(frame([9], [0.2]), DoubtCfg()).labels.tolist() == [[9]]
-
-
 def test_the_likeliest_class_is_chosen_and_obstacles_early():
     logits = np.log(np.array([[0.1, 0.0001], [0.5, 0.5998], [0.4, 0.3], [0.0001, 0.1]], np.float32))[:, None, :]
     labels, doubt = choose_labels(logits, obstacle_from=0.35)

@@ -106,17 +106,6 @@ def test_the_trajectory_is_remembered_at_its_spacing():
     np.testing.assert_allclose(made.trajectory, [(x, 5.0) for x in np.arange(5.0, 8.01, 0.5)])
 
 
-def test_before_the_first_picture_there_is_no_trajectory():
-    assert belief().trajectory.shape == (0, 2)
-
-
-def test_what_was_visited_is_not_left_to_visit_and_stays_known():
-    made = belief((14.0, 10.0), (6.0, 10.0))
-    made.tracker.mark_visited(14.0, 10.0, 0.5)
-    assert places(made.unvisited()) == [(6.0, 10.0)]
-    assert len(made.tracks) == 2
-
-
 def test_a_doubtful_cluster_is_left_out_until_nothing_else_is_left():
     made = belief((14.0, 10.0), (6.0, 10.0))
     made.tracker.tracks[0] = replace(made.tracks[0], doubtful=True)
@@ -164,12 +153,6 @@ def test_a_cluster_whose_goals_failed_too_often_is_given_up():
     assert made.failures(14.0, 10.0) == 2
     assert made.failures(6.0, 10.0) == 0
     assert places(made.unvisited()) == [(6.0, 10.0)]
-
-
-def test_without_a_goal_nothing_has_failed():
-    made = belief((14.0, 10.0))
-    made.goal_failed()
-    assert made.failures(14.0, 10.0) == 0
 
 
 def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():

@@ -145,25 +145,10 @@ def test_a_cluster_is_doubtful_while_pictures_disagree_about_its_cells(agreement
     assert asked == [int(disc().sum())]
 
 
-def test_what_was_seen_from_afar_has_no_cells_to_doubt():
-    tracker = CentroidTracker()
-    tracker.update([], [(9.0, 1.0)])
-    tracker.doubt(lambda cells: 0.0, 0.33)
-    assert not tracker.tracks[0].doubtful
-
-
 def test_the_tree_joins_all_points_by_the_shortest_links():
     points = np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [2.0, 2.5]])
     assert {frozenset(link) for link in spanning_tree(points)} == {frozenset(p) for p in ((0, 1), (1, 2), (1, 3))}
     assert spanning_tree(points[:1]) == []
-
-
-def test_visited_is_remembered():
-    tracker = CentroidTracker()
-    tracker.update([component(1.0, 1.0), component(5.0, 1.0)])
-    tracker.mark_visited(1.5, 1.0, 1.0)
-    tracks = tracker.update([component(1.0, 1.0), component(5.0, 1.0)])
-    assert [t.visited for t in tracks] == [True, False]
 
 
 def test_one_cluster_that_is_seen_from_afar_twice_has_one_dot():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.map.changes import ChangeTracker, grown, joined, meet
+from coral.reef.map.changes import ChangeTracker, meet
 
 
 def test_the_rectangle_holds_every_change_and_no_more():
@@ -26,14 +26,6 @@ def test_the_first_look_finds_what_is_there():
     mask = np.zeros((5, 5), np.bool_)
     mask[2, 3] = True
     assert ChangeTracker(mask).take() == (2, 3, 3, 4)
-
-
-def test_rectangles_grow_to_the_edge_of_the_grid():
-    assert grown((1, 3, 4, 5), 2, (10, 6)) == (0, 5, 2, 6)
-
-
-def test_joined_rectangles_hold_both():
-    assert joined((1, 3, 4, 5), (2, 6, 0, 1)) == (1, 6, 0, 5)
 
 
 @pytest.mark.parametrize(("other", "shared"), [((2, 4, 2, 4), True), ((3, 4, 0, 9), False), ((0, 9, 3, 4), False)])

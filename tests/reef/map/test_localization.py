@@ -186,6 +186,7 @@ def mission(pond, folder, localization, seed=0, seconds=60.0):
     return Mission(pond, cfg, RuleAdvisor(REEF_RULES), folder, seed=seed).run()
 
 
+@pytest.mark.slow
 def test_a_mission_ends_nearer_to_its_map_than_the_odometry(pond, tmp_path):
     found = [mission(pond, tmp_path / str(seed), DRIFTS, seed) for seed in range(3)]
     assert sum(m["position_error_m"] for m in found) < 0.7 * sum(m["odometry_error_m"] for m in found)

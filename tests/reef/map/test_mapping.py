@@ -7,7 +7,7 @@ import pytest
 from echoes import SMALL, flat_floor
 
 from coral.errors import InputError
-from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
+from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap
 from coral.reef.map.mapping_kernels import Counts, classify
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.vehicle.sensing import Attitude
@@ -162,10 +162,6 @@ def test_local_distances_follow_a_new_obstacle():
     assert grid.distance_near(10.0, 10.0, 5.0).min() == 0.0
 
 
-def test_distance_without_obstacles_is_infinite():
-    assert np.isinf(distance_to(np.zeros((4, 4), bool), 0.05)).all()
-
-
 def test_distances_follow_the_obstacles():
     grid = OccupancyMap((20.0, 20.0), CAMERA)
     grid.obstacle[100, 100] = True
@@ -252,17 +248,6 @@ def test_a_picture_of_a_tilted_vehicle_lands_where_equation_1_puts_it(roll, pitc
     fx, fy, cx, cy = CAMERA.intrinsics
     p = T_world_camera(pose, CAMERA, roll=roll, pitch=pitch) @ [(u - cx) / fx * z, (v - cy) / fy * z, z, 1.0]
     assert np.argwhere(grid.target).tolist() == [[int(p[1] / 0.05), int(p[0] / 0.05)]]
-
-
-def test_a_level_attitude_changes_no_bit():
-    rng, (plain, level) = np.random.default_rng(4), [OccupancyMap((10.0, 10.0), CAMERA) for _ in range(2)]
-    for k in range(3):
-        shape = (CAMERA.height, CAMERA.width)
-        view = frame(rng.uniform(0.5, 7.0, shape), rng.integers(0, 4, shape))
-        plain.integrate(view, Pose(4.0 + 0.1 * k, 5.0, 0.4))
-        level.integrate(view, Pose(4.0 + 0.1 * k, 5.0, 0.4), 0.0, 0.0)
-    for name, array in plain.memory().items():
-        assert array.tobytes() == level.memory()[name].tobytes(), name
 
 
 def ahead(range_m=2.0):

@@ -1,7 +1,5 @@
 """Water that is kept up to date, against that of the whole map; what can be reached in it, against the cost-to-go."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -47,13 +45,6 @@ def test_what_can_be_reached_is_what_a_cost_to_go_reaches():
         reach, field = water.reach(x, y), CostField.compute(cells.distance(), (x, y), cfg=cfg)
         points = rng.uniform(0.0, (14.0, 11.0), (60, 2))
         assert [reach.reaches(*p) for p in points] == [field.reaches(*p, within_m=0.7) for p in points]
-
-
-def test_nothing_is_reached_without_water():
-    cells = OccupancyMap((4.0, 4.0), CameraCfg())
-    cells.obstacle[:] = True
-    water = WaterMap(cells, replace(CostFieldCfg())).now()
-    assert not water.reach(2.0, 2.0).reaches(2.0, 2.0)
 
 
 def test_the_way_keeps_from_a_place_and_what_is_blocked_stays_so():

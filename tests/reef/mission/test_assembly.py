@@ -14,14 +14,11 @@ from coral.reef.map.localization import LocalizationCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot, planned
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.tour import TourPilot
-from coral.reef.mission.variants import apply_variant
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
-from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start
 
 RULES = RuleAdvisor(REEF_RULES)
 SLOW = VehicleResponse(surge_delay_s=0.4, margin_m=0.1)
@@ -78,11 +75,6 @@ def test_rules_take_the_papers_time_unless_told_otherwise():
     assert str(latency_of(MissionCfg(latency="fixed:3"), RULES)) == "fixed:3"
 
 
-@pytest.mark.parametrize("variant", ["full", "rule-based", "frontier", "lawnmower", "random", "dream"])
-def test_missions_that_decide_have_no_plan(pond, variant):
-    assert planned(pond, apply_variant(variant, MissionCfg())) is None
-
-
 def test_a_sweep_passes_every_lane_of_its_spacing(pond):
     commands = planned(pond, dataclasses.replace(MissionCfg(), decider="sweep", lane_m=7.0))
     vehicle = VehicleDynamics(VehicleCfg(model="kinematic"), VehicleState(*Pose(2.0, 3.0, 0.0)))
@@ -90,14 +82,3 @@ def test_a_sweep_passes_every_lane_of_its_spacing(pond):
     for y in (3.5, 10.5):  # two lanes of 7 m in 14 m
         lane = places[np.abs(places[:, 1] - y) < 0.1]
         assert (lane[:, 0].min() < 2.0, lane[:, 0].max() > 12.0) == (True, True)
-
-
-def test_the_oracle_drives_its_tour_of_the_world(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    oysters = tuple(Oyster(x=x, y=4.5, z=0.05, radii=(0.1, 0.1, 0.05)) for x in (4.4, 4.6))
-    small = ReefWorld(
-        name="small", size_m=(6.0, 6.0), start=Start(x=1.0, y=1.0), clusters=(Cluster(name="a", oysters=oysters),)
-    )
-    commands = planned(small, dataclasses.replace(MissionCfg(), decider="oracle"))
-    assert len(commands)
-    np.testing.assert_array_equal(commands, plan_tour(small).commands)

@@ -3,18 +3,13 @@
 import dataclasses
 import json
 
-import numpy as np
 import pytest
 
 from coral.advisor.question import Picture
-from coral.advisor.registry import make_advisor
 from coral.errors import RunError
-from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.record import RecordCfg
 
 pytestmark = pytest.mark.wing("coral.erring")
 
@@ -44,14 +39,6 @@ def test_no_pictures_or_report_are_kept_and_of_the_frames_the_final_map_alone(ep
     assert {"metrics.json", "events.jsonl", "trajectory.csv", "world.yaml", "config.yaml"} <= kept
     assert [path.name[6:] for path in (folder / "frames").iterdir()] == ["_map.png"]
     assert not kept & {"pictures", "report.html", "map.png", "mission.mp4"}
-
-
-def test_it_is_the_mission_that_one_runs_alone(pond, episode, tmp_path):
-    cfg = dataclasses.replace(CFG, record=RecordCfg(pictures=False, frames=False))
-    advisor = make_advisor(NAMED["advisor"], rules=REEF_RULES, rng=np.random.default_rng([4, 7]))
-    Mission(pond, cfg, advisor, tmp_path / "run", seed=4).run()
-    for name in ("trajectory.csv", "attempts.jsonl", "metrics.json"):
-        assert (tmp_path / "run" / name).read_bytes() == (episode[1] / name).read_bytes()
 
 
 def test_an_advisor_with_eyes_gets_pictures_that_are_kept_with_the_question(pond, tmp_path):

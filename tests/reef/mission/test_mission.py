@@ -104,27 +104,11 @@ def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
 
 
-def test_a_new_goal_is_not_given_up_because_its_answer_was_slow(pond, tmp_path):
-    cfg = dataclasses.replace(QUIET, latency="fixed:30", time_limit_s=50.0)
-    run(pond, tmp_path / "run", cfg=cfg)
-    answered = [g["t"] for g in events(tmp_path / "run", "goal") if g["source"] == "advisor"]
-    fired = [e["t"] for e in events(tmp_path / "run", "trigger") if e["fired"] and e["cause"] == "stuck"]
-    assert answered
-    assert not [t for t in fired if any(0.0 <= t - a < 15.0 for a in answered)]
-
-
 class Silent:
     name = "silent"
 
     async def answer(self, question, rejections):
         raise AdvisorUnavailable("no-network", "nothing there", final=True)
-
-
-class Garbling:
-    name = "garbling"
-
-    async def answer(self, question, rejections):
-        raise BadAnswer("not-json", "that was not JSON", raw="???")
 
 
 class Stubborn:
@@ -143,9 +127,7 @@ def with_fallback(policy):
     return dataclasses.replace(SHORT, pilot=dataclasses.replace(SHORT.pilot, fallback=policy))
 
 
-@pytest.mark.parametrize(
-    ("advisor", "failure"), [(Silent, "no-network"), (Garbling, "requeries-used-up"), (Stubborn, "requeries-used-up")]
-)
+@pytest.mark.parametrize(("advisor", "failure"), [(Silent, "no-network"), (Stubborn, "requeries-used-up")])
 def test_the_rules_take_over_when_the_advisor_fails(pond, tmp_path, advisor, failure):
     result = run(pond, tmp_path / "run", advisor(), with_fallback("rules"))
     assert result["fallbacks"] >= 1
@@ -207,11 +189,6 @@ def test_an_observer_can_stop_the_mission(pond, tmp_path):
     assert (result["end_reason"], result["steps"]) == ("stopped by the operator", 20)
 
 
-def test_time_limit_is_named(pond, tmp_path):
-    result = run(pond, tmp_path / "run", cfg=dataclasses.replace(SHORT, time_limit_s=3.0))
-    assert (result["end_reason"], result["steps"]) == ("time limit", 30)
-
-
 def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, time_limit_s=400.0, stop_when_covered=False, latency="0")
     puddle = pond.model_copy(update={"size_m": (9.0, 6.0), "clusters": pond.clusters[:1], "obstacles": ()})
@@ -230,7 +207,7 @@ def test_a_mission_without_its_camera_ends_with_the_vehicle_at_the_surface(pond,
     assert result["collisions"] == 0
 
 
-def test_what_is_left_is_told_at_the_end(finished, pond, tmp_path):
+def test_what_is_left_is_told_at_the_end(pond, tmp_path):
     cut = run(pond, tmp_path / "run", cfg=dataclasses.replace(QUIET, time_limit_s=3.0))
     (left,) = events(tmp_path / "run", "left")
     assert cut["clusters_left"] == len(left["clusters"]) > 0

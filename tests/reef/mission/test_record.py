@@ -69,24 +69,6 @@ def test_a_full_disk_is_told_at_the_next_set():
         recorder.close()
 
 
-def test_colours_are_kept_where_there_are_any(tmp_path):
-    kept = {}
-
-    class Shelf:
-        def bytes(self, name, content):
-            kept[name] = content
-
-    rgb = np.zeros((*FRAME.depth.shape, 3), np.uint8)
-    rgb[..., 0] = 200
-    for step, frame in enumerate((FRAME, replace(FRAME, rgb=rgb))):
-        recorder = FrameRecorder(Shelf(), RecordCfg(frame_period_s=1.0))
-        recorder.offer(step, 0.0, lambda: CELLS, frame)
-        recorder.close()
-    assert [name for name in kept if name.endswith("_rgb.jpg")] == ["frames/000001_rgb.jpg"]
-    stored = cv2.imdecode(np.frombuffer(kept["frames/000001_rgb.jpg"], np.uint8), cv2.IMREAD_COLOR)
-    assert np.abs(stored[..., ::-1].astype(int) - rgb).max() <= 2
-
-
 AT = PicturePose(pose=Pose(1.0, 2.0, 0.5), odometry=Pose(1.1, 2.0, 0.5), height_m=1.2, roll=0.01, pitch=-0.02)
 
 

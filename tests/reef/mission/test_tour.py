@@ -1,5 +1,3 @@
-import dataclasses
-import json
 import math
 
 import numpy as np
@@ -18,11 +16,6 @@ from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
 
 QUIET = MissionCfg(time_limit_s=300.0, record=RecordCfg(pictures=False, frames=False))
-
-
-def survey(world, folder, variant, **changes):
-    cfg = dataclasses.replace(apply_variant(variant, QUIET), **changes)
-    return Mission(world, cfg, RuleAdvisor(REEF_RULES), folder, variant=variant).run()
 
 
 def test_lanes_lie_evenly_and_leave_nothing_farther_than_half_a_spacing():
@@ -96,29 +89,9 @@ def test_a_kinematic_vehicle_drives_what_was_planned():
 
 
 def test_the_oracle_is_a_mission_like_any_other(pond, tmp_path):
-    result = survey(pond, tmp_path / "run", "oracle")
+    result = Mission(pond, apply_variant("oracle", QUIET), RuleAdvisor(REEF_RULES), tmp_path / "run").run()
     tour = plan_tour(pond)
     assert (result["collisions"], result["advisor_calls"], result["end_reason"]) == (0, 0, "the tour is done")
     assert result["inspected"] > 0.99
     assert result["time_to_90_s"] == tour.time_to(0.9)
     assert result["oracle_ratio_90"] == 1.0
-
-
-def test_a_blind_sweep_goes_through_what_is_in_the_way_and_sees_what_lies_beside_its_lanes(pond, tmp_path):
-    wide = survey(pond, tmp_path / "wide", "blind-sweep")
-    close = survey(pond, tmp_path / "close", "blind-sweep", lane_m=5.0)
-    assert wide["end_reason"] == close["end_reason"] == "the tour is done"
-    assert wide["inspected"] < close["inspected"]
-    assert close["sim_time_s"] > wide["sim_time_s"]
-    assert close["collisions"] > 0
-
-
-def test_a_random_advisor_is_asked_as_late_as_the_rules_and_seeded(pond, tmp_path):
-    short = {"time_limit_s": 15.0, "latency": "fixed:3"}
-    survey(pond, tmp_path / "a", "random", **short)
-    survey(pond, tmp_path / "b", "random", **short)
-    events = [(tmp_path / name / "events.jsonl").read_text() for name in "ab"]
-    assert events[0] == events[1]
-    goals = [e for e in map(json.loads, events[0].splitlines()) if e["event"] == "goal" and e["source"] == "advisor"]
-    assert goals
-    assert {goal["reason"] for goal in goals} == {"drawn by lot"}

@@ -37,24 +37,6 @@ def changes(variant):
     return {key: value for key, value in after.items() if value != before[key]}
 
 
-@pytest.mark.parametrize(
-    ("variant", "key", "value"),
-    [
-        ("no-verification", ".planner.checks", False),
-        ("no-centroid-selection", ".planner.centroid_selection", False),
-        ("no-topology", ".planner.topology", False),
-        ("no-trigger", ".pilot.trigger.always", True),
-        ("no-ddp", ".controller.uniform", True),
-        ("no-cost-to-go", ".pilot.cost_to_go", False),
-        ("random", ".decider", "random"),
-    ],
-)
-def test_an_ablation_changes_its_own_part_and_no_other(variant, key, value):
-    changed = changes(variant)
-    assert changed[key] == value
-    assert {other.split(".")[1] for other in changed} == {key.split(".")[1]}
-
-
 def test_the_full_system_is_what_was_configured():
     assert changes("full") == {}
 
@@ -62,24 +44,6 @@ def test_the_full_system_is_what_was_configured():
 def test_the_rule_on_the_paper_s_pipeline_changes_what_both_change():
     rule = {**changes("paper"), **changes("rule-based")}
     assert changes("rule-based-dots-only") == {**rule, ".planner.explore": False}
-
-
-def test_the_paper_s_variant_is_its_algorithm_with_its_cooldown():
-    assert changes("paper") == {
-        ".planner.algorithm": "paper",
-        ".planner.route.ahead": False,
-        ".belief.inspect.enabled": False,
-        ".pilot.trigger.cooldown_s": 50.0,
-    }
-
-
-def test_lanes_in_a_mission_in_words_go_over_what_lies_on_them():
-    assert apply_variant("full", MissionCfg()).planner.instruction.clear_m > 0.0
-    assert apply_variant("lawnmower", MissionCfg()).planner.instruction.clear_m == 0.0
-
-
-def test_pd_goes_through_what_it_hits():
-    assert changes("pd") == {".driver": "pd", ".simulator.contact": "ghost"}
 
 
 def test_variants_are_told_apart():

@@ -159,10 +159,3 @@ def test_the_words_of_the_mission_are_judged_again(tmp_path):
     _, result, _ = changing(tmp_path / "run", WORLD.mission.instruction)
     assert result["success"] is not None
     assert len(result["conditions"]) == 3
-
-
-def test_words_of_ones_own_have_no_judge(tmp_path):
-    cfg = with_instruction(MissionCfg(), "Look at the net.", WORLD.mission)
-    rules = {"reef-mission": lambda facts, rejections: MissionAnswer(done=True)}
-    result = Mission(WORLD, dataclasses.replace(cfg, latency="0"), RuleAdvisor(rules), tmp_path / "run").run()
-    assert result["success"] is None

@@ -35,12 +35,6 @@ def test_no_two_oysters_are_alike():
     assert made.paint.max() < 1.0
 
 
-def test_the_seed_decides():
-    scene = Scene.from_world(WORLD)
-    assert np.array_equal(Materials.of(scene, 3).paint, Materials.of(scene, 3).paint)
-    assert not np.array_equal(Materials.of(scene, 3).paint, Materials.of(scene, 4).paint)
-
-
 def test_a_thing_has_the_look_of_its_kind_and_the_others_stay_as_they_were():
     net = {"name": "net", "kind": "tyre", "x": 20.0, "y": 20.0}
     plain = Materials.of(Scene.from_world(WORLD), 3)

@@ -34,11 +34,6 @@ def test_an_oyster_lies_ahead_of_most():
     assert ahead > 25
 
 
-def test_the_seed_decides():
-    first, second, other = (choose_viewpoints(SCENE, 3, np.random.default_rng(k)) for k in (1, 1, 2))
-    assert first == second != other
-
-
 def test_a_reef_without_room_is_refused():
     oyster = Oyster(x=5.0, y=5.0, z=0.03, radii=(0.1, 0.1, 0.05))
     wall = Obstacle(shape="box", x=5.0, y=5.0, z=1.0, size=(9.0, 9.0, 1.0))

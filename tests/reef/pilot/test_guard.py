@@ -176,7 +176,7 @@ def test_a_picture_in_another_memory_layout_is_copied_and_not_refused():
     assert reading.frame.depth.flags.c_contiguous
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(st.floats(0.0, 3.0), max_size=6).flatmap(lambda ts: st.tuples(*[observations(t, 6, 8) for t in ts])))
 def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
     watch, last = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR), -math.inf

@@ -350,7 +350,7 @@ def test_the_end_of_the_survey_is_a_state(drive):
     assert mission.tick() == (0.0, 0.0)
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(observations(1.0, CAMERA.height, CAMERA.width), max_size=5))
 def test_no_garbage_raises_out_of_tick_or_gives_a_command_beyond_the_limits(garbage):
     mission = Drive(driver=DdpMppi(MppiCfg(n_rollouts=60), rng=np.random.default_rng(0))).until(1.0)

@@ -17,7 +17,6 @@ from coral.reef.world.world import (
     read_mapping,
     save_world,
     shipped_worlds,
-    to_text,
 )
 from coral.reef.world.world_names import WORLDS_DIR
 
@@ -77,10 +76,8 @@ def test_a_small_world_loads_with_defaults(tmp_path):
         ("start", None, "start", "a mapping with the keys x, y, theta"),
         ("start.x", math.nan, "start.x", "finite"),
         ("start.x", "left", "start.x", "number"),
-        ("start.x", True, "start.x", "number"),
         ("start.x", 11.0, "start.x", "0 to 10 m"),
         ("start.thetta", 1.0, "start.thetta", "did you mean 'theta'?"),
-        ("obstacle", [], "obstacle", "did you mean 'obstacles'?"),
         (
             "clusters.0.oysters.1.radius",
             0.1,
@@ -88,14 +85,11 @@ def test_a_small_world_loads_with_defaults(tmp_path):
             "z, radii, rpy, shape, look (did you mean 'radii'?)",
         ),
         ("clusters.1.oysters.0.radii", [-0.1, 0.1, 0.1], "clusters[1].oysters[0].radii[0]", "0.001"),
-        ("clusters.1.oysters.0.radii", [0.1, math.inf, 0.1], "clusters[1].oysters[0].radii[1]", "finite"),
-        ("clusters.1.oysters", [], "clusters[1].oysters", "at least 1"),
         ("clusters", [], "clusters", "at least 1"),
         ("obstacles.0.shape", "spher", "obstacles[0].shape", "'sphere'"),
         ("obstacles.0.shape", "cylinder", "obstacles[0]", "two equal radii"),
         ("format", "coral-reef/9", "format", "'coral-reef/1'"),
         ("seed", -1, "seed", "greater than or equal to 0"),
-        ("topology", "Q", "topology", "'custom'"),
     ],
 )
 def test_a_wrong_value_is_named(tmp_path, path, value, field, words):
@@ -109,10 +103,6 @@ def test_a_missing_value_is_named(tmp_path):
     del world["clusters"][0]["oysters"][1]["z"]
     error = refusal(tmp_path, world)
     assert (error.field, error.found) == ("clusters[0].oysters[1].z", "nothing")
-
-
-def test_a_long_wrong_value_is_cut_short(tmp_path):
-    assert len(refusal(tmp_path, changed("start", "x" * 5000)).found) <= 60
 
 
 def test_an_unknown_name_gets_the_nearest_shipped_one():
@@ -191,47 +181,7 @@ def test_a_file_that_is_no_world_is_refused(tmp_path, content, field, words):
     assert "\n" not in str(caught.value)
 
 
-def test_a_date_is_text_as_in_yaml_1_2(tmp_path):
-    (tmp_path / "w.yaml").write_text("when: 2026-13-45")
-    assert read_mapping(tmp_path / "w.yaml") == {"when": "2026-13-45"}
-
-
 def test_a_missing_file_and_a_folder_are_refused(tmp_path):
     for path, found in ((tmp_path / "none.yaml", "no such file"), (tmp_path, "a folder")):
         with pytest.raises(InputError, match=found):
             read_mapping(path)
-
-
-WORLD = {
-    "name": "a: b, [c]",
-    "size_m": [10.0, 12.5],
-    "clusters": [{"name": "10", "oysters": [{"x": 5.0, "radii": [0.1, 0.1, 0.05]}, {"x": 5.1234567}]}],
-    "obstacles": [{"shape": "box", "yaw": -0.0001}],
-    "spine": [],
-    "seed": 7,
-}
-
-
-def test_a_world_is_written_with_one_object_to_a_line_and_the_long_lists_last():
-    assert to_text(WORLD, ["made by hand", ""]) == (
-        "# made by hand\n"
-        "#\n"
-        "name: 'a: b, [c]'\n"
-        "size_m: [10.0, 12.5]\n"
-        "seed: 7\n"
-        "spine: []\n"
-        "clusters:\n"
-        "  - name: '10'\n"
-        "    oysters:\n"
-        "      - {x: 5.0, radii: [0.1, 0.1, 0.05]}\n"
-        "      - {x: 5.123}\n"
-        "obstacles:\n"
-        "  - {shape: box, yaw: 0.0}\n"
-    )
-
-
-def test_what_is_written_is_read_as_it_was_but_for_the_rounding(tmp_path):
-    (tmp_path / "w.yaml").write_text(to_text(WORLD), encoding="utf-8")
-    rounded = yaml.safe_load(yaml.safe_dump(WORLD))
-    rounded["clusters"][0]["oysters"][1]["x"], rounded["obstacles"][0]["yaw"] = 5.123, 0.0
-    assert read_mapping(tmp_path / "w.yaml") == rounded
