@@ -34,7 +34,6 @@ PYTHON = {
         "Parts of a reef mission",
         [
             "coral.reef.drive.controllers",
-            "coral.reef.drive.local_planner",
             "coral.reef.drive.controller",
             "coral.reef.decide.own_parts",
             "coral.reef.decide.verify",

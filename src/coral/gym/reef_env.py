@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from coral.config import checked
 from coral.errors import InputError
 from coral.reef.map.localization import LocalizationCfg, Localizer
-from coral.reef.simulation.simulator import ReefSimulator, Sensed, SimulatorCfg
+from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.world.find_world import find_world
+from coral.reef.world.geometry import Frame
 from coral.reef.world.world import ReefWorld
 
 Observation = dict[str, NDArray[Any]]
@@ -81,7 +82,7 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         }
         self.observation_space = spaces.Dict({**self._boxes})  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self._sensed: Sensed | None = None
+        self._frame: Frame | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -115,9 +116,9 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """Return the camera's classes as a picture, Shape=(H, W, 3); None without a render mode."""
-        if self.render_mode is None or self._sensed is None:
+        frame = self._frame
+        if self.render_mode is None or frame is None:
             return None
-        frame = self._sensed.frame
         return np.asarray(COLORS[frame.labels]) if frame.rgb is None else frame.rgb
 
     def _coverage(self) -> float:
@@ -127,15 +128,19 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return float(shares.sum()) / max(len(shares), 1)
 
     def _observe(self, dt: float) -> Observation:
-        sensed = self._sensed = self._simulator.sense(dt)
-        pose = np.array(self._localizer.update(sensed.frame, sensed.pose, dt))
+        seen = self._simulator.sense(self._steps * self._period_s, dt)
+        assert seen.frame is not None
+        assert seen.pose is not None
+        assert seen.velocity is not None
+        frame = self._frame = seen.frame.value
+        pose = np.array(self._localizer.update(frame, seen.pose.value, dt))
         pose[2] = math.remainder(pose[2], 2 * math.pi)
-        depth = np.where(np.isfinite(sensed.frame.depth), sensed.frame.depth, self.cfg.camera.range_m)
+        depth = np.where(np.isfinite(frame.depth), frame.depth, self.cfg.camera.range_m)
         return {
             "depth": np.clip(depth, 0.0, self.cfg.camera.range_m).astype(np.float32),
-            "labels": sensed.frame.labels.astype(np.uint8),
+            "labels": frame.labels.astype(np.uint8),
             "pose": self._within("pose", pose),
-            "velocity": self._within("velocity", np.array(sensed.velocity)),
+            "velocity": self._within("velocity", np.array(seen.velocity.value)),
         }
 
     def _within(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float32]:

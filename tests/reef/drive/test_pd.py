@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.drive.pd import PdCfg, PdController
+from coral.reef.drive import pd
+from coral.reef.drive.pd import PdController
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.vehicle import VehicleDynamics, VehicleState
-
-CFG = PdCfg()
 
 
 def plan(state, goal):
@@ -30,7 +29,7 @@ def test_it_drives_straight_and_through():
 def test_the_law_near_the_goal_by_hand():
     # 0.4 m ahead, 0.2 rad to the left: below both limits.
     goal = (5.0 + 0.4 * math.cos(0.2), 5.0 + 0.4 * math.sin(0.2))
-    surge, yaw = CFG.surge_kp_n_m / CFG.surge_kd_ns_m, CFG.yaw_kp_nm_rad / CFG.yaw_kd_nms_rad
+    surge, yaw = pd.SURGE_KP_N_M / pd.SURGE_KD_NS_M, pd.YAW_KP_NM_RAD / pd.YAW_KD_NMS_RAD
     assert plan((5.0, 5.0, 0.0), goal).command == pytest.approx((surge * 0.4 * math.cos(0.2), yaw * 0.2))
 
 

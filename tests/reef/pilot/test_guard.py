@@ -160,15 +160,6 @@ def test_a_late_picture_is_put_where_it_was_taken():
     assert reading.pose == Pose(5.5, 5.0, 0.0)
 
 
-def test_rates_are_measured_for_the_preflight_list():
-    watch = guard()
-    for k in range(30):
-        watch.check(good(k / 10, velocity=Stamped(k / 10, STILL) if k % 2 else None))
-    assert watch.rate_hz("pose") == pytest.approx(10.0)
-    assert watch.rate_hz("velocity") == pytest.approx(5.0)
-    assert watch.rate_hz("attitude") == 0.0
-
-
 def test_a_picture_in_another_memory_layout_is_copied_and_not_refused():
     turned = picture()
     turned = dataclasses.replace(turned, depth=np.asfortranarray(turned.depth))

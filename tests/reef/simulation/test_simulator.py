@@ -65,9 +65,9 @@ def test_a_ghost_goes_through_and_is_counted_all_the_same():
 def test_without_drift_the_robot_knows_where_it_is_and_how_fast():
     sim = simulator(world(disc(15.0, 15.0)))
     drive(sim, 4.0)
-    sensed = sim.sense(0.1)
-    assert sensed.pose == sim.pose
-    assert sensed.velocity == pytest.approx((0.6, 0.0, 0.0), abs=0.02)
+    sensed = sim.sense(4.0, 0.1)
+    assert sensed.pose.value == sim.pose
+    assert sensed.velocity.value == pytest.approx((0.6, 0.0, 0.0), abs=0.02)
 
 
 def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
@@ -81,9 +81,9 @@ def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
 
 def test_colour_pictures_are_taken_when_asked_for():
     there = world(disc(7.0, 5.0))
-    assert simulator(there).sense(0.1).frame.rgb is None
+    assert simulator(there).sense(0.0, 0.1).frame.value.rgb is None
     sim = simulator(there, pictures=True, camera=CameraCfg(width=80, height=60))
-    first, second = sim.sense(0.1).frame, sim.sense(0.1).frame
+    first, second = (sim.sense(t, 0.1).frame.value for t in (0.0, 0.1))
     assert first.rgb.shape == (60, 80, 3)
     assert not np.array_equal(first.rgb, second.rgb)
     assert np.array_equal(first.depth, second.depth)
@@ -92,8 +92,8 @@ def test_colour_pictures_are_taken_when_asked_for():
 def test_pictures_change_nothing_that_is_measured():
     there = world(disc(7.0, 5.0))
     noise = SensorNoiseCfg(depth_sigma=0.02, drift_xy=0.02, visibility_m=4.5)
-    plain, painted = (simulator(there, noise=noise, pictures=pictures).sense(0.1) for pictures in (False, True))
-    assert np.array_equal(plain.frame.depth, painted.frame.depth)
+    plain, painted = (simulator(there, noise=noise, pictures=pictures).sense(0.0, 0.1) for pictures in (False, True))
+    assert np.array_equal(plain.frame.value.depth, painted.frame.value.depth)
     assert plain.pose == painted.pose
 
 
@@ -122,8 +122,8 @@ def test_a_rolling_and_pitching_vehicle_maps_oysters_where_they_are():
 
 def test_the_depth_of_the_water_is_the_worlds_or_the_configured_one():
     there = world(disc(15.0, 15.0))
-    assert simulator(there).sense(0.0).attitude.depth_m == pytest.approx(4.0)
-    shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0).attitude
+    assert simulator(there).sense(0.0, 0.0).attitude.value.depth_m == pytest.approx(4.0)
+    shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0, 0.0).attitude.value
     assert (shallow.depth_m, shallow.altitude_m) == (pytest.approx(0.5), 1.0)
 
 

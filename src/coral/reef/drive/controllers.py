@@ -1,20 +1,33 @@
-"""The low-level planners by name, and those that other packages or a caller bring."""
+"""What drives the vehicle towards a goal: the low-level planners by name, and those that others bring."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.plugins import named_plugin
-from coral.reef.drive.controller import DdpMppi, MppiCfg
-from coral.reef.drive.local_planner import LocalPlanner
+from coral.reef.drive.controller import DdpMppi, MppiCfg, Plan
 from coral.reef.drive.pd import PdController
+from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleState
+
+
+class LocalPlanner(Protocol):
+    """Drives towards a goal: DDP-MPPI, or a baseline in its place."""
+
+    def plan(
+        self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *, cell_m: float = 0.05
+    ) -> Plan:
+        """Command for the next tick, from the cost-to-go and the distances (m) to known obstacles."""
+
+    def reset(self) -> None:
+        """Forget the previous plan: the vehicle has stood still since."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.drive.controller import DdpMppi, Plan
-from coral.reef.drive.local_planner import LocalPlanner
+from coral.reef.drive.controllers import LocalPlanner
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.response import DelayedCommands, VehicleResponse
 from coral.reef.vehicle.vehicle import VehicleState

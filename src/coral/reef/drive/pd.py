@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +12,12 @@ from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleState
 from coral.reef.world.geometry import wrap
 
-
-@dataclass(frozen=True, kw_only=True)
-class PdCfg:
-    """Gains (the paper gives none): critically damped with the planar masses, 1 rad/s in surge and 2 rad/s in yaw."""
-
-    surge_kp_n_m: float = 20.0
-    surge_kd_ns_m: float = 26.0
-    yaw_kp_nm_rad: float = 2.4
-    yaw_kd_nms_rad: float = 2.4
-    hold_m: float = 0.3
-    horizon_s: float = 5.0
-    """Duration of the straight line in `Plan.path`. The control law itself does not look ahead."""
+SURGE_KP_N_M, SURGE_KD_NS_M = 20.0, 26.0
+YAW_KP_NM_RAD, YAW_KD_NMS_RAD = 2.4, 2.4
+"""Gains (the paper gives none): critically damped with the planar masses, 1 rad/s in surge and 2 rad/s in yaw."""
+HOLD_M = 0.3
+HORIZON_S = 5.0
+"""Duration of the straight line in `Plan.path`. The control law itself does not look ahead."""
 
 
 class PdController:
@@ -34,8 +27,7 @@ class PdController:
     loop, so both controllers share thrusters, limits and drag compensation.
     """
 
-    def __init__(self, cfg: PdCfg | None = None, vehicle: VehicleCfg | None = None) -> None:
-        self.cfg = cfg or PdCfg()
+    def __init__(self, vehicle: VehicleCfg | None = None) -> None:
         self.vehicle = vehicle or VehicleCfg()
 
     def reset(self) -> None:
@@ -50,19 +42,18 @@ class PdController:
         cell_m: float = 0.05,
     ) -> Plan:
         """Compute the command towards `cost_field.goal`. The field's values and the map are ignored."""
-        cfg = self.cfg
         if not all(map(math.isfinite, state)):
             return Plan((0.0, 0.0), False, NOT_FINITE, np.zeros((11, 3)), np.zeros((10, 2)), np.zeros(11))
         dx, dy = cost_field.goal[0] - state.x, cost_field.goal[1] - state.y
         distance = math.hypot(dx, dy)
         bearing = wrap(math.atan2(dy, dx) - state.theta)
         v = omega = 0.0
-        if distance > cfg.hold_m:
+        if distance > HOLD_M:
             v_max, w_max = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
             # The error along the body's x axis. The vehicle turns to a goal behind it and does not reverse.
-            v = min(max(cfg.surge_kp_n_m / cfg.surge_kd_ns_m * distance * math.cos(bearing), 0.0), v_max)
-            omega = min(max(cfg.yaw_kp_nm_rad / cfg.yaw_kd_nms_rad * bearing, -w_max), w_max)
-        times = np.linspace(0.0, cfg.horizon_s, 11)
+            v = min(max(SURGE_KP_N_M / SURGE_KD_NS_M * distance * math.cos(bearing), 0.0), v_max)
+            omega = min(max(YAW_KP_NM_RAD / YAW_KD_NMS_RAD * bearing, -w_max), w_max)
+        times = np.linspace(0.0, HORIZON_S, 11)
         along = np.minimum(v * times, distance)[:, None] / max(distance, 1e-9)
         heading = np.full((11, 1), math.atan2(dy, dx))
         path = np.hstack([(state.x, state.y) + along * (dx, dy), heading])

@@ -164,8 +164,8 @@ class SensorGuard:
         self._time = LoopTime(self.cfg.gap_s)
         self._stamps: dict[Input, float] = {}
         """Stamp of the last measurement of each input, used or refused."""
-        self._good: dict[Input, deque[float]] = {name: deque(maxlen=20) for name in self._timeouts}
-        """Times of the last good measurements, on the pilot's clock (s)."""
+        self._good: dict[Input, float] = {}
+        """Time of the last good measurement of each input, on the pilot's clock (s)."""
         self._why: dict[Input, Refusal] = {}
         """Last refusal of each input since its last good measurement."""
         self._poses = PoseHistory(self.cfg.pose_timeout_s)
@@ -219,11 +219,6 @@ class SensorGuard:
             overdue=self._overdue(),
         )
 
-    def rate_hz(self, name: Input) -> float:
-        """Return the mean rate of the last good measurements of an input (Hz); 0 if there are none."""
-        times = self._good[name]
-        return (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
-
     def is_refused(self, name: Input) -> bool:
         """Check whether an input has been refused since its last good measurement."""
         return name in self._why
@@ -262,7 +257,7 @@ class SensorGuard:
         except UnfitMeasurement as fault:
             refused.append(Refusal(input=name, reason=fault.reason, detail=fault.detail))
             return None
-        self._good[name].append(stamped.t + self._time.offset)
+        self._good[name] = stamped.t + self._time.offset
         self._why.pop(name, None)
         return Stamped(stamped.t, value)
 
@@ -342,7 +337,7 @@ class SensorGuard:
 
     def _age(self, name: Input) -> float:
         """Return the age of the last good measurement of an input (s); inf before the first."""
-        return self._time.t - self._good[name][-1] if self._good[name] else math.inf
+        return self._time.t - self._good.get(name, -math.inf)
 
     def _overdue(self) -> bool:
         """Check whether all that shows obstacles is nearly as old as it may be."""

@@ -15,8 +15,8 @@ from coral.reef.decide.own_parts import Verifier, Wanted
 from coral.reef.decide.planner import AskedState, HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
+from coral.reef.drive.controllers import LocalPlanner
 from coral.reef.drive.cost_to_go import CostToGo
-from coral.reef.drive.local_planner import LocalPlanner
 from coral.reef.drive.monitor import PathMonitor
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField

@@ -62,21 +62,6 @@ class SimulatorCfg:
         return water_of_visibility(self.noise.visibility_m) if auto else find_water(self.water, "simulator.water")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sensed:
-    """The robot's measurements at one moment."""
-
-    frame: Frame
-    pose: Pose
-    """By odometry alone; equals the truth unless drift is on."""
-    velocity: tuple[float, float, float]
-    """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
-    attitude: Attitude
-    """Roll, pitch, depth and altitude, without error."""
-    sonar: RangeImage | None = None
-    """The sonar's image, if one is due; None without a sonar."""
-
-
 class ReefSimulator:
     """Simulates the reef, one vehicle and its sensors."""
 
@@ -124,8 +109,12 @@ class ReefSimulator:
         """True distance from the hull to the nearest obstacle (m); negative in contact."""
         return self._contacts.clearance(*self.pose[:2])
 
-    def sense(self, dt: float) -> Sensed:
-        """Take a picture and read the navigation sensors `dt` seconds after the last time."""
+    def sense(self, t: float, dt: float) -> VehicleObservation:
+        """Take a picture and read the navigation sensors at a time (s), `dt` seconds after the last one.
+
+        The pose is by odometry alone, and equals the truth unless drift is on; attitude, depth and altitude have no
+        error. The sonar's image is there when one is due.
+        """
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         self._time_s += dt
         exact = self._camera.render(self.pose, t=self._time_s)
@@ -140,7 +129,7 @@ class ReefSimulator:
         attitude = Attitude(roll=0.0, pitch=0.0, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
         sonar = self._ping(altitude, dt)
         odometry = self._drift.step(self.pose, dt)
-        return Sensed(frame=frame, pose=odometry, velocity=(u, v, r), attitude=attitude, sonar=sonar)
+        return VehicleObservation.at(t, odometry, (u, v, r), frame, attitude, sonar)
 
     def _ping(self, altitude_m: float, dt: float) -> RangeImage | None:
         """Take an image of the sonar, `dt` seconds after the last call, if one is due."""
@@ -173,13 +162,12 @@ class SimulatedVehicle:
     def __init__(self, simulator: ReefSimulator, period_s: float, tell: Callable[..., None]) -> None:
         """Set up with `period_s` between two ticks; tell(event, **fields) is told of contacts."""
         self.simulator, self._period_s, self._tell = simulator, period_s, tell
-        self._begun = False
+        self._dt = 0.0
 
     def observe(self, t: float) -> VehicleObservation:
         """Measure everything at time `t` (s), one period after the last time."""
-        sensed = self.simulator.sense(self._period_s if self._begun else 0.0)
-        self._begun = True
-        return VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
+        dt, self._dt = self._dt, self._period_s
+        return self.simulator.sense(t, dt)
 
     def command(self, command: tuple[float, float]) -> None:
         """Drive at (m/s, rad/s) for one period."""

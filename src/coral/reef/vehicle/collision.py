@@ -17,7 +17,7 @@ def clearance(footprints: Footprints, x: float, y: float) -> float:
 
     The world's border does not count. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
-    return float(collision_kernels.clearance(float(x), float(y), footprints)[0])
+    return float(collision_kernels.clearance(float(x), float(y), footprints))
 
 
 class ContactCounter:

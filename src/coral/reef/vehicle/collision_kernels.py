@@ -79,10 +79,10 @@ def clearance(
     x: float,
     y: float,
     outlines: Footprints,
-) -> tuple[float, int]:
-    """Compute the signed distance (m) from a world point to the nearest outline, and its index; else (inf, -1)."""
+) -> float:
+    """Compute the signed distance (m) from a world point to the nearest outline; inf without any."""
     kind, center, half, _ = outlines
-    best, index = np.inf, -1
+    best = np.inf
     for k in range(kind.size):
         dx, dy = x - center[k, 0], y - center[k, 1]
         a, b = half[k, 0], half[k, 1]
@@ -92,8 +92,8 @@ def clearance(
             continue
         distance = outline_distance(x, y, k, outlines)
         if distance < best:
-            best, index = distance, k
-    return best, index
+            best = distance
+    return best
 
 
 @njit(cache=True)
