@@ -37,8 +37,7 @@ from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import prefer_process
-from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.vehicle.response import VehicleResponse

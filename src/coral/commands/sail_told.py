@@ -17,18 +17,20 @@ from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.words import clock
 
-TOLD = (
-    "state",
-    "awaited",
-    "limit",
-    "recording_stopped",
-    "order_refused",
-    "instruction",
-    "place",
-    "planner_failure",
-    "sight",
-)
-"""Events that the operator is told of."""
+TOLD: dict[str, Callable[[Mapping[str, Any]], str]] = {
+    "state": lambda event: f"{event['state']}: {event['reason']}",
+    "awaited": lambda event: f"  {event['ends_when']}" if event["ends_when"] else "",
+    "limit": lambda event: f"limit: {event['reason']}; {event['action']}",
+    "recording_stopped": lambda event: f"the recording has stopped, the vehicle has not: {event['reason']}",
+    "order_refused": lambda event: f"the vehicle refused {event['order']}: {event['reason']}",
+    "instruction": lambda event: f"instruction, by {event['by']}: {event['text']}",
+    "place": lambda event: f"saved map: {place_told(event)}",
+    "planner_failure": lambda event: (
+        f"stands, {event['reason']}: drive it free by hand (in another mode), then type r; or q ends the survey"
+    ),
+    "sight": sight_told,
+}
+"""Events that the operator is told of, and in which words; "" for nothing."""
 FENCED_S = 20.0
 """Without a safe motion for this long, the vehicle does not get away by itself soon; said again after each minute."""
 
@@ -106,21 +108,5 @@ def lens_told(
 
 def told(event: Mapping[str, Any]) -> str:
     """Return what one of the events in `TOLD` says to the operator; "" for nothing."""
-    at, kind, reason = clock(float(event["t"])), event["event"], event.get("reason", "")
-    if kind == "state":
-        return f"{at} {event['state']}: {reason}"
-    if kind == "instruction":
-        return f"{at} instruction, by {event['by']}: {event['text']}"
-    if kind == "sight":
-        return f"{at} {sight_told(event)}"
-    if kind == "place":
-        return f"{at} saved map: {place_told(event)}"
-    if kind == "awaited":
-        return f"{at}   {event['ends_when']}" if event["ends_when"] else ""
-    if kind == "planner_failure":
-        return f"{at} stands, {reason}: drive it free by hand (in another mode), then type r; or q ends the survey"
-    if kind == "limit":
-        return f"{at} limit: {reason}; {event['action']}"
-    if kind == "recording_stopped":
-        return f"{at} the recording has stopped, the vehicle has not: {reason}"
-    return f"{at} the vehicle refused {event['order']}: {reason}"
+    text = TOLD[event["event"]](event)
+    return text and f"{clock(float(event['t']))} {text}"

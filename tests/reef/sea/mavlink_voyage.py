@@ -14,8 +14,7 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.sea import ardusub
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.sea.picture import Shot
-from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.camera import Camera

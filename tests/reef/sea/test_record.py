@@ -8,7 +8,7 @@ import yaml
 from coral.reef.mission.record import COLUMNS, PicturePose, RecordCfg
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.record import OWN_COLUMNS, ReefTruth, SeaRecord
-from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.survey_file import Origin, SurveyArea
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.response import VehicleResponse

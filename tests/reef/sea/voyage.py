@@ -19,8 +19,7 @@ from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import IdleCollector
-from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.survey_file import SurveyArea

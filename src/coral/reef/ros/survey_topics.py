@@ -62,27 +62,18 @@ class SurveyTopics:
         self._trail: list[Pose] = []
         self._listening = False
         make = ros.node.create_publisher
-        self._types = {
-            name: ros_type(name)
-            for name in (
-                *("nav_msgs.msg.OccupancyGrid", "nav_msgs.msg.Path", "geometry_msgs.msg.PoseStamped"),
-                *("visualization_msgs.msg.MarkerArray", "visualization_msgs.msg.Marker", "std_msgs.msg.String"),
-                *("diagnostic_msgs.msg.DiagnosticArray", "diagnostic_msgs.msg.DiagnosticStatus"),
-                "diagnostic_msgs.msg.KeyValue",
-            )
-        }
         latched = ros.qos("latched")
-        self._map = make(self._types["nav_msgs.msg.OccupancyGrid"], "coral/map", latched)
-        self._path = make(self._types["nav_msgs.msg.Path"], "coral/path", latched)
-        self._oysters = make(self._types["visualization_msgs.msg.MarkerArray"], "coral/oysters", latched)
-        self._goal = make(self._types["geometry_msgs.msg.PoseStamped"], "coral/goal", latched)
-        self._goal_marker = make(self._types["visualization_msgs.msg.Marker"], "coral/goal/marker", latched)
+        self._map = make(ros_type("nav_msgs.msg.OccupancyGrid"), "coral/map", latched)
+        self._path = make(ros_type("nav_msgs.msg.Path"), "coral/path", latched)
+        self._oysters = make(ros_type("visualization_msgs.msg.MarkerArray"), "coral/oysters", latched)
+        self._goal = make(ros_type("geometry_msgs.msg.PoseStamped"), "coral/goal", latched)
+        self._goal_marker = make(ros_type("visualization_msgs.msg.Marker"), "coral/goal/marker", latched)
         self._transform = MapTransform(ros)
-        self._events = make(self._types["std_msgs.msg.String"], "coral/events", 100)
-        self._health = make(self._types["diagnostic_msgs.msg.DiagnosticArray"], "diagnostics", 10)
+        self._events = make(ros_type("std_msgs.msg.String"), "coral/events", 100)
+        self._health = make(ros_type("diagnostic_msgs.msg.DiagnosticArray"), "diagnostics", 10)
         if instruct is not None:
-            self._instruction = make(self._types["std_msgs.msg.String"], "coral/instruction", latched)
-            ros.node.create_subscription(self._types["std_msgs.msg.String"], "coral/instruct", self._change, 10)
+            self._instruction = make(ros_type("std_msgs.msg.String"), "coral/instruction", latched)
+            ros.node.create_subscription(ros_type("std_msgs.msg.String"), "coral/instruct", self._change, 10)
         trigger = ros_type("std_srvs.srv.Trigger")
         for word in WORDS:
             ros.node.create_service(trigger, f"coral/{START.get(word, word)}", partial(self._say, word))
@@ -98,7 +89,7 @@ class SurveyTopics:
             run.record.listeners.append(self._event)
         if run.instruction != self._told:
             self._told = run.instruction
-            self._instruction.publish(self._types["std_msgs.msg.String"](data=self._told))
+            self._instruction.publish(ros_type("std_msgs.msg.String")(data=self._told))
         if run.pose is not None:
             self._trail.append(run.pose)
             if run.report.pose is not None and isinstance(run.crew.link, RosLink):
@@ -134,13 +125,13 @@ class SurveyTopics:
             self._report("instruction_refused", reason=str(error))
 
     def _report(self, event: str, **fields: Any) -> None:
-        self._events.publish(self._types["std_msgs.msg.String"](data=json.dumps({"event": event, **fields})))
+        self._events.publish(ros_type("std_msgs.msg.String")(data=json.dumps({"event": event, **fields})))
 
     def _event(self, event: dict[str, Any]) -> None:
-        self._events.publish(self._types["std_msgs.msg.String"](data=plain_json(event)))
+        self._events.publish(ros_type("std_msgs.msg.String")(data=plain_json(event)))
 
     def _headed(self, name: str) -> Any:
-        message = self._types[name]()
+        message = ros_type(name)()
         message.header.frame_id, message.header.stamp = MAP, self._ros.stamp()
         return message
 
@@ -175,7 +166,7 @@ class SurveyTopics:
             marker.color.g, marker.color.a = 0.8, 0.6 if track.visited else 0.9
             marker.color.r = 0.0 if track.visited else 0.9
             markers.append(marker)
-        self._oysters.publish(self._types["visualization_msgs.msg.MarkerArray"](markers=markers))
+        self._oysters.publish(ros_type("visualization_msgs.msg.MarkerArray")(markers=markers))
 
     def _publish_goal(self, run: SeaMission) -> None:
         marker = self._headed("visualization_msgs.msg.Marker")
@@ -190,7 +181,7 @@ class SurveyTopics:
         self._goal_marker.publish(marker)
 
     def _publish_health(self, run: SeaMission) -> None:
-        states, status = run.states, self._types["diagnostic_msgs.msg.DiagnosticStatus"]()
+        states, status = run.states, ros_type("diagnostic_msgs.msg.DiagnosticStatus")()
         state = states.state.value
         status.name, status.hardware_id = "coral: survey", run.area.name
         status.level = ERROR if run.end_reason else OK if state == "surveying" else WARN
@@ -199,9 +190,9 @@ class SurveyTopics:
         told = {"ticks": count.done, "late ticks": count.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
         told["tf"] = self._transform.told
         status.values = [
-            self._types["diagnostic_msgs.msg.KeyValue"](key=key, value=str(value)) for key, value in told.items()
+            ros_type("diagnostic_msgs.msg.KeyValue")(key=key, value=str(value)) for key, value in told.items()
         ]
-        message = self._types["diagnostic_msgs.msg.DiagnosticArray"](status=[status])
+        message = ros_type("diagnostic_msgs.msg.DiagnosticArray")(status=[status])
         message.header.stamp = self._ros.stamp()
         self._health.publish(message)
 

@@ -1,4 +1,4 @@
-"""Limits of a survey in real water, and what happens when one is reached."""
+"""What a survey in real water needs besides a mission: its limits, and what happens when one is reached."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from coral.config import Fraction, NonNegative, Positive
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Pose
 
 Action = Literal["none", "hold", "return", "surface"]
@@ -72,6 +74,18 @@ class SafetyCfg:
     """For this long."""
     settle_s: Positive = 2.0
     """A lost link or position must be back for this long before the survey continues."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SailCfg:
+    """What a survey in real time needs besides a mission's configuration."""
+
+    mission: MissionCfg = field(default_factory=MissionCfg)
+    safety: SafetyCfg = field(default_factory=SafetyCfg)
+    depth_m: Positive = 1.0
+    """Depth to hold."""
+    response: VehicleResponse | None = None
+    """How the vehicle follows its set-points, as `coral reef identify` measured it; None: as the simulated one does."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from coral.reef.world.geometry import Pose
 from coral.run_files import SurveyFiles
 
 FORMAT = "coral-saved-survey/1"
+_TRACK_KEYS = ("index", "x", "y", "area_px", "length_m", "far")
 
 
 def save_survey(
@@ -37,17 +38,8 @@ def save_survey(
         landmarks: Those of its localizer.
         clusters: The clusters, where another thread may change them meanwhile; by default the belief's.
     """
-    tracks = [
-        {
-            "index": track.index,
-            "x": track.x,
-            "y": track.y,
-            "area_px": track.area_px,
-            "length_m": track.length_m,
-            "far": track.far,
-        }
-        for track in (belief.tracks if clusters is None else clusters)
-    ]
+    known = belief.tracks if clusters is None else clusters
+    tracks = [{key: getattr(track, key) for key in _TRACK_KEYS} for track in known]
     head = {
         "format": FORMAT,
         "size_m": list(belief.map.size_m),
@@ -109,6 +101,3 @@ def load_survey(
     belief = Belief(cells, cfg)
     belief.recall(tracks, trail)
     return belief, pose, landmarks
-
-
-_TRACK_KEYS = ("index", "x", "y", "area_px", "length_m", "far")

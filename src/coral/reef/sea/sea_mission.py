@@ -36,8 +36,7 @@ from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_idle, prompt_threads
 from coral.reef.sea.record import SeaRecord
-from coral.reef.sea.safety import SafetyMonitor
-from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.safety import SafetyMonitor, SailCfg
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.response import VehicleResponse

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -92,20 +93,16 @@ class SurveyFile(_Part):
     """World to rehearse in, with a simulated vehicle; by default there is nothing in the water."""
 
 
+@dataclass(frozen=True)
 class SurveyArea:
     """A survey's area in local metres, with its outlines checked."""
 
-    def __init__(
-        self,
-        name: str,
-        size_m: tuple[float, float],
-        start: Pose,
-        fence: Ring,
-        keep_out: tuple[tuple[str, Ring], ...] = (),
-        origin: Origin | None = None,
-    ) -> None:
-        self.name, self.size_m, self.start, self.fence, self.keep_out = name, size_m, start, fence, keep_out
-        self.origin = origin
+    name: str
+    size_m: tuple[float, float]
+    start: Pose
+    fence: Ring
+    keep_out: tuple[tuple[str, Ring], ...] = ()
+    origin: Origin | None = None
 
     @classmethod
     def of_world(cls, world: ReefWorld) -> SurveyArea:
@@ -120,7 +117,7 @@ class SurveyArea:
         Raises:
             InputError: No hull fits there.
         """
-        area = SurveyArea(self.name, self.size_m, Pose(*start), self.fence, self.keep_out, self.origin)
+        area = replace(self, start=Pose(*start))
         check_start(area, where, "")
         return area
 
