@@ -26,10 +26,11 @@ def listening(times):
     return lambda: next(left, None) is None
 
 
-def test_words_on_a_pipe(words, pipe):
+def test_words_on_a_pipe(words, pipe, capsys):
     source, write = pipe
     write("hold\nnonsense\nresume\nq\n")
     Keyboard(words, source).listen(listening(2))
+    assert "type arm, hold, resume, home, stop, surface, disarm" in capsys.readouterr().err
     assert words.take() == [("hold", "keyboard"), ("resume", "keyboard"), ("stop", "keyboard")]
 
 
@@ -54,17 +55,19 @@ def test_keys_on_a_terminal_need_no_enter(words):
 def test_arming_takes_the_word(words, pipe, typed, armed):
     source, write = pipe
     write(typed)
-    assert Keyboard(words, source).wait_for_arm(lambda: False) is armed
+    assert Keyboard(words, source).wait_for_arm() is armed
 
 
 def test_arming_may_come_from_the_page(words, pipe):
     source, _ = pipe
-    assert Keyboard(words, source).wait_for_arm(lambda: True)
+    words.say("hold", "page")
+    words.say("arm", "page")
+    assert Keyboard(words, source).wait_for_arm()
 
 
 def test_the_end_of_the_input_arms_nothing(words):
     with open(os.devnull) as source:
-        assert not Keyboard(words, source).wait_for_arm(lambda: False)
+        assert not Keyboard(words, source).wait_for_arm()
 
 
 def told_to(said):

@@ -39,23 +39,15 @@ class Keyboard:
                 for letter in self._read():
                     self._take(letter, keys)
 
-    def wait_for_arm(self, elsewhere: Callable[[], bool]) -> bool:
-        """Wait until `arm` is typed, or given `elsewhere`; False when the operator gives up or the input ends."""
-        while not elsewhere():
+    def wait_for_arm(self) -> bool:
+        """Wait until `arm` is typed, or said elsewhere; False when the operator gives up or the input ends."""
+        while not self._ended:
             for letter in self._read():
-                if letter != "\n":
-                    self._text += letter
-                    continue
-                line, self._text = self._text.strip().lower(), ""
-                if line == "arm":
-                    return True
-                if line in ("q", "quit", "stop", "exit", "no"):
-                    return False
-                if line:
-                    tell("type arm to begin, q to give up")
-            if self._ended:
-                return False
-        return True
+                self._take(letter, keys=False)
+            for word, _ in self._words.take():
+                if word in ("arm", "stop"):
+                    return word == "arm"
+        return False
 
     def _take(self, letter: str, keys: bool) -> None:
         if keys and self._writing:
@@ -68,12 +60,13 @@ class Keyboard:
                 self._words.say(KEYS[letter], "keyboard")
         elif letter == "\n":
             line, self._text = self._text.strip(), ""
-            if line.lower().startswith("i "):
-                self._send(line[2:])
-            line = line.lower()
-            word = next((word for word in WORDS if word == line), None) or KEYS.get(line)
+            word = next((word for word in WORDS if word == line.lower()), None) or KEYS.get(line.lower())
             if word is not None:
                 self._words.say(word, "keyboard")
+            elif self._instruct is not None and line.lower().startswith("i "):
+                self._send(line[2:])
+            elif line:
+                tell(f"type {', '.join(WORDS)}; or {HELP}")
         else:
             self._text += letter
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.commands.keyboard import Keyboard
+from coral.commands.sail_conduct import beside_keyboard
 from coral.commands.sail_parts import follow_truth
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
@@ -80,38 +80,19 @@ class ReefIdentify:
         words = OperatorWords()
         if not self.yes:
             tell("the vehicle will drive within 5 m of where it is. Type arm and press Enter to let it")
-            if not Keyboard(words).wait_for_arm(lambda: False):
+            if not Keyboard(words).wait_for_arm():
                 raise RunError("not armed: the operator did not say so")
         link.arm()
 
-        said: list[str] = []
-        found: list[TrialLog | BaseException] = []
+        def stopped() -> str:
+            return "".join(f"stopped by the operator ({word})" for word, _ in words.take()[:1])
 
-        def work() -> None:
-            try:
-                plan = (Leg(0.0, 0.0, SETTLE_S), *legs(self.speed, self.yaw_rate))
-                found.append(drive(link, plan, self.depth, time.monotonic, time.sleep, lambda: "".join(said[:1])))
-            except RunError as error:
-                found.append(error)
-
+        plan = (Leg(0.0, 0.0, SETTLE_S), *legs(self.speed, self.yaw_rate))
         tell("driving; space stops it")
-        thread = threading.Thread(target=work, name="coral-identify", daemon=True)
-
-        def over() -> bool:
-            said.extend(f"stopped by the operator ({word})" for word, _ in words.take())
-            return not thread.is_alive()
-
         try:
-            thread.start()
-            Keyboard(words).listen(over)
-            thread.join()
+            return beside_keyboard(lambda: drive(link, plan, self.depth, time.monotonic, time.sleep, stopped), words)
         finally:
-            said.append("stopped")
-            thread.join(1.0)
             link.hold()
-        if isinstance(found[0], BaseException):
-            raise found[0]
-        return found[0]
 
     def describe(self, result: Mapping[str, Any]) -> str:
         found = VehicleResponse(**{name: result[name] for name in to_mapping(VehicleResponse())})

@@ -269,13 +269,7 @@ class ReefSail:
         """
         if not self.yes:
             self._say("nothing moves until you type arm and press Enter, or press the button on the page")
-            said: list[str] = []
-
-            def on_page() -> bool:
-                said.extend(word for word, _ in words.take())
-                return any(word in ("arm", "stop") for word in said)
-
-            if not Keyboard(words).wait_for_arm(on_page) or "stop" in said:
+            if not Keyboard(words).wait_for_arm():
                 mission.record.close()
                 raise RunError("not armed: the operator did not say so")
         mission.align(trust_heading=parts.trust_heading)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from coral.commands.keyboard import Keyboard
 from coral.errors import RunError
@@ -16,35 +17,46 @@ from coral.reef.sea.priority import describe_priority, prefer_thread
 from coral.reef.sea.sea_mission import SeaMission
 from coral.run_loop import Observer
 
+T = TypeVar("T")
+
 
 def conduct(
     mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
 ) -> dict[str, Any]:
-    """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt a tick.
+    """Run the control loop beside the keyboard.
 
-    With `first`, the thread goes before all ordinary programs, where the system allows it.
+    With `first`, its thread goes before all ordinary programs, where the system allows it.
 
     Raises:
         RunError: The loop failed; the vehicle was told to hold.
     """
-    result: dict[str, Any] = {}
-    failure: list[BaseException] = []
+
+    def control() -> dict[str, Any]:
+        allowed = describe_priority(first, first and prefer_thread())
+        return {**mission.run(observers), "priority": allowed}
+
+    try:
+        return beside_keyboard(control, words, mission.instructing)
+    except Exception as error:
+        raise RunError(f"the survey failed: {type(error).__name__}: {error}") from error
+
+
+def beside_keyboard(
+    work: Callable[[], T], words: OperatorWords, instruct: Callable[[str, str], bool] | None = None
+) -> T:
+    """Return what work on a thread of its own returns; keyboard and signals stay here and never interrupt it."""
+    done: Future[T] = Future()
 
     def control() -> None:
         try:
-            allowed = describe_priority(first, first and prefer_thread())
-            result.update(mission.run(observers), priority=allowed)
+            done.set_result(work())
         except BaseException as error:
-            failure.append(error)
+            done.set_exception(error)
 
-    thread = threading.Thread(target=control, name="coral-control", daemon=True)
     with signals_as_words(words):
-        thread.start()
-        Keyboard(words, instruct=mission.instructing).listen(lambda: not thread.is_alive())
-        thread.join()
-    if failure:
-        raise RunError(f"the survey failed: {type(failure[0]).__name__}: {failure[0]}") from failure[0]
-    return result
+        threading.Thread(target=control, name="coral-control", daemon=True).start()
+        Keyboard(words, instruct=instruct).listen(done.done)
+    return done.result()
 
 
 @contextmanager
