@@ -181,7 +181,7 @@ def test_a_mission_in_words_is_judged_in_a_simulated_reef(tmp_path):
 def test_an_instruction_changed_at_sea_is_in_the_next_question_and_nobody_judges_it(tmp_path):
     told = []
     voyage = yard(tmp_path / "run", told, time_limit_s=40.0)
-    result = voyage.on(20, lambda: voyage.mission.instruct("Say what lies there.", "keyboard")).run()
+    result = voyage.on(20, lambda: voyage.mission.pilot.instruct("Say what lies there.", "keyboard")).run()
     assert told[-1] == "Say what lies there."
     assert (result["success"], result["answer"]) == (None, "a tyre")
     assert [e["by"] for e in events(tmp_path / "run", "instruction")] == ["start", "keyboard"]
@@ -189,7 +189,7 @@ def test_an_instruction_changed_at_sea_is_in_the_next_question_and_nobody_judges
 
 def test_a_survey_without_an_instruction_has_none_to_change(tmp_path):
     voyage = Voyage(tmp_path / "run", time_limit_s=1.0)
-    assert not voyage.mission.instruct("Find the net.", "keyboard")
+    assert not voyage.mission.pilot.instruct("Find the net.", "keyboard")
     voyage.run()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
@@ -79,8 +80,8 @@ class MavlinkLink:
         self._ordered = ""
         self._ordered_s = -math.inf
         self._override = False
-        self._acks: dict[int, tuple[int, float]] = {}
-        self._words: list[tuple[float, str]] = []
+        self._acks: dict[int, int] = {}
+        self._words: deque[str] = deque(maxlen=20)
         self._reboots = 0
         self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
         self._sync_sent: dict[int, float] = {}
@@ -177,19 +178,18 @@ class MavlinkLink:
             LinkRefused: It was refused, or nobody answered.
         """
         with self._heard:
-            since = self._clock()
+            self._words.clear()
             for attempt in range(TRIES):
                 self._acks.pop(command, None)
                 self._send(self._long(command, *parameters, confirmation=attempt))
-                if self._wait(lambda: self._acks.get(command, (IN_PROGRESS, 0))[0] != IN_PROGRESS, ANSWER_S):
+                if self._wait(lambda: self._acks.get(command, IN_PROGRESS) != IN_PROGRESS, ANSWER_S):
                     break
             else:
                 raise LinkRefused(f"{what}: the autopilot did not answer")
-            result = self._acks[command][0]
+            result = self._acks[command]
             if result != ACCEPTED:
                 self._wait(lambda: False, WORDS_S)
-                words = [text for at, text in self._words if at >= since]
-                reason = "; ".join(dict.fromkeys(words)) or RESULTS.get(result, f"result {result}")
+                reason = "; ".join(dict.fromkeys(self._words)) or RESULTS.get(result, f"result {result}")
                 raise LinkRefused(f"{what} refused: {reason}")
 
     def _await(self, done: Callable[[], bool], what: str) -> None:
@@ -253,7 +253,7 @@ class MavlinkLink:
 
     def _take(self, message: Any, sender: Hashable, now: float) -> None:
         name = message.get_type()
-        if name in ("BAD_DATA", "UNKNOWN") or name.startswith("UNKNOWN"):
+        if name.startswith(("BAD_DATA", "UNKNOWN")):
             return
         unknown = self._stations.vehicle is None
         if not self._stations.take(message, sender, now):
@@ -265,10 +265,10 @@ class MavlinkLink:
             return
         if name == "COMMAND_ACK" and message.target_system in (0, OWN_SYSTEM):
             if getattr(message, "target_component", 0) in (0, OWN_COMPONENT):
-                self._acks[message.command] = (message.result, now)
+                self._acks[message.command] = message.result
                 self._stations.answered()
         elif name == "STATUSTEXT":
-            self._words = [*self._words[-19:], (now, str(message.text).rstrip("\0"))]
+            self._words.append(str(message.text).rstrip("\0"))
         elif name == "TIMESYNC" and message.tc1 and message.ts1 in self._sync_sent:
             self._stations.answered()
             self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
@@ -279,8 +279,7 @@ class MavlinkLink:
         if self._stations.moved(now):
             assert self._stations.vehicle is not None
             self._line.answer(self._stations.vehicle.peer)
-            self._charge = self._driving = False
-            self._asked_s, self._ordered = -math.inf, ""
+            self._let_go()
             state.tell(2, f"coral: the vehicle speaks from {place(self._stations.vehicle.peer)} now; arm again")
         faults = self._stations.faults(now) if self._charge else ()
         for fault in faults:
@@ -289,8 +288,7 @@ class MavlinkLink:
         self._warned = faults
         if state.clock.reboots != self._reboots:
             self._reboots = state.clock.reboots
-            self._charge = self._driving = False
-            self._asked_s, self._ordered = -math.inf, ""
+            self._let_go()
         if not self._charge or self._override:
             return
         settled = state.heartbeat_s > self._ordered_s + 1.0
@@ -305,6 +303,11 @@ class MavlinkLink:
             self._hand_over()
         elif settled and not state.said.armed:
             self._charge = self._driving = False
+
+    def _let_go(self) -> None:
+        """Be in charge of nothing, and ask for messages again."""
+        self._charge = self._driving = False
+        self._asked_s, self._ordered = -math.inf, ""
 
     def _taken_over(self, why: str) -> None:
         self._override = True

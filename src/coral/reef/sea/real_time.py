@@ -31,8 +31,6 @@ class TickCount:
     """Ticks whose work ended more than `LATE_S` after their deadline, or that were left out altogether."""
     skipped: int = 0
     """Those of the late ticks that were left out, because their deadline had passed before the last one was done."""
-    worst_s: float = 0.0
-    """Longest time from a deadline to the end of its tick's work (s)."""
     ends_s: list[float] = field(default_factory=list)
     """From each tick's deadline to the end of its work (s)."""
 
@@ -49,9 +47,8 @@ class FixedRate:
         period_s: float,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
-        late_s: float = LATE_S,
     ) -> None:
-        self.period_s, self.late_s = period_s, late_s
+        self.period_s = period_s
         self.count = TickCount()
         self._clock, self._sleep = clock, sleep
         self._start = clock()
@@ -82,8 +79,7 @@ class FixedRate:
         """Note that the tick's command is out. Return the time until the next deadline (s); negative if it passed."""
         behind = self.behind_s
         self.count.done += 1
-        self.count.late += behind > self.late_s
-        self.count.worst_s = max(self.count.worst_s, behind)
+        self.count.late += behind > LATE_S
         self.count.ends_s.append(behind)
         return self.period_s - behind
 

@@ -166,14 +166,10 @@ class SeaMission(MissionLoop):
         """The instruction of a mission in words, as it is now; "" without one."""
         return self.pilot.planner.cfg.instruction.text
 
-    def instruct(self, words: str, by: str) -> bool:
-        """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
-        return self.pilot.instruct(words, by)
-
     @property
     def instructing(self) -> Callable[[str, str], bool] | None:
-        """How the instruction is changed; None where there is none to change."""
-        return self.instruct if self.instruction else None
+        """How the instruction is changed, from any thread; None where there is none to change."""
+        return self.pilot.instruct if self.instruction else None
 
     def align(self, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
@@ -345,7 +341,7 @@ class SeaMission(MissionLoop):
             "late_ticks": count.late,
             "skipped_ticks": count.skipped,
             "ticks": count.done,
-            "worst_tick_ms": round(1e3 * count.worst_s, 1),
+            "worst_tick_ms": round(1e3 * max(count.ends_s, default=0.0), 1),
             "tick_ms_p999": round(1e3 * float(np.percentile(count.ends_s or [0.0], 99.9)), 1),
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
