@@ -24,10 +24,8 @@ def meter(clusters, obstacles=(), **settings):
 
 def area(watch, cluster):
     """A cluster's cells, and whether each has been seen."""
-    start, size = watch._start[cluster], watch._size[cluster]
-    seen = np.ones(size, bool)
-    seen[watch._order[start : start + watch._left[cluster]] - start] = False
-    return watch._cells[start : start + size], seen
+    its = slice(*watch._start[cluster : cluster + 2])
+    return watch._cells[its], watch._seen[its]
 
 
 def seen_from(pose, cluster, obstacles=(), **settings):

@@ -50,10 +50,10 @@ class CoverageMeter:
         self._hiders = hiders = scene.footprints()
         areas = _areas(scene, cfg.cell_m, cfg.closing_m)
         self._size = np.array([len(area) for area in areas], np.int64)
-        self._start = np.cumsum(self._size) - self._size
+        self._start = np.concatenate([[0], np.cumsum(self._size)])
         self._cells = np.concatenate([np.empty((0, 2)), *areas])
         self._circle = np.array([_circle(area) for area in areas]).reshape(-1, 3)
-        self._order = np.arange(len(self._cells), dtype=np.int64)
+        self._seen = np.zeros(len(self._cells), np.bool_)
         self._left = self._size.copy()
         self._scratch = np.empty((len(hiders.kind), 7))
 
@@ -67,7 +67,7 @@ class CoverageMeter:
             self._cells,
             self._start,
             self._circle,
-            self._order,
+            self._seen,
             self._left,
             self._hiders,
             self._scratch,

@@ -21,7 +21,7 @@ def observe(
     cells: NDArray[np.float64],
     start: NDArray[np.int64],
     circle: NDArray[np.float64],
-    order: NDArray[np.int64],
+    seen: NDArray[np.bool_],
     left: NDArray[np.int64],
     outlines: Footprints,
     unit: NDArray[np.float64],
@@ -33,9 +33,9 @@ def observe(
         half_fov: Half of the horizontal field of view (rad), at most pi.
         range_m: Largest distance at which a cell is seen (m).
         cells: Shape=(M, 2), centres of all cells (m), cluster by cluster.
-        start: Shape=(C,), first cell of every cluster.
+        start: Shape=(C + 1,), first cell of every cluster, and the number of cells.
         circle: Shape=(C, 3), circle (x, y, radius) that contains the cells of every cluster.
-        order: Shape=(M,), from each cluster's `start` on, its `left` cells not yet seen; updated in place.
+        seen: Shape=(M,), whether a cell has been seen; updated in place.
         left: Shape=(C,), number of each cluster's cells not yet seen; updated in place.
         outlines: K of them, which hide cells.
         unit: Shape=(K, 7), scratch.
@@ -58,24 +58,22 @@ def observe(
         unit[hiders, 5] = unit[hiders, 2] * dx + unit[hiders, 3] * dy
         unit[hiders, 6] = 1.0 if kind[k] == _ELLIPSE else 0.0
         hiders += 1
-    for cluster in range(start.size):
+    for cluster in range(left.size):
         if left[cluster] == 0:
             continue
         dx, dy = circle[cluster, 0] - x, circle[cluster, 1] - y
         reach = range_m + circle[cluster, 2]
         if not dx * dx + dy * dy <= reach * reach:  # "not <=" skips NaN too
             continue
-        i = start[cluster]
-        while i < start[cluster] + left[cluster]:
-            cell = order[i]
-            dx, dy = cells[cell, 0] - x, cells[cell, 1] - y
+        for i in range(start[cluster], start[cluster + 1]):
+            if seen[i]:
+                continue
+            dx, dy = cells[i, 0] - x, cells[i, 1] - y
             distance = math.sqrt(dx * dx + dy * dy)
             in_view = distance <= range_m and c * dx + s * dy >= edge * distance
-            if not in_view or _hidden(dx, dy, unit[:hiders]):
-                i += 1
-                continue
-            left[cluster] -= 1
-            order[i] = order[start[cluster] + left[cluster]]
+            if in_view and not _hidden(dx, dy, unit[:hiders]):
+                seen[i] = True
+                left[cluster] -= 1
 
 
 @njit(cache=True)
