@@ -18,7 +18,7 @@ from coral.reef.decide.planner import AskedState
 from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
 from coral.reef.map.belief import Belief
-from coral.reef.map.changes import around
+from coral.reef.map.carried import around
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.water import Reach
 from coral.reef.world.geometry import to_world

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.question import Withdrawn
@@ -59,8 +58,7 @@ class CostToGo:
             water, start = belief.water(self._cfg).kept_from(belief.unchosen, belief.clear_m), belief.pose[:2]
             field = self._search(water, start, goal, None if self.field is None else self._most_cells)
             if field is None:
-                still = replace(water, slowness=water.slowness.copy())
-                self._clock.start(self._search_far(still, start, goal))
+                self._clock.start(self._search_far(water, start, goal))
             else:
                 self.field = field
         return self._leads_elsewhere()

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from coral.config import Count
 from coral.reef.map.best_views import BestViews
 from coral.reef.map.carried import is_jump, moved
-from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
-from coral.reef.map.changes import Box, joined
+from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track, components
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.glimpses import Glimpses
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.map.regions import OysterRegions
-from coral.reef.map.water import Water, WaterMap
+from coral.reef.map.water import Water
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
 
@@ -66,14 +64,10 @@ class Belief:
         self._failed: list[tuple[float, float]] = []
         self._fruitless: list[tuple[float, float]] = []
         self._ticks = 0
-        self._regions = OysterRegions(occupancy.target, occupancy.cfg.cell_m, self.cfg.chain)
-        self._seen: Box | None = None
-        """The rectangle that has been in view since clusters were last inspected."""
         self._drawn: tuple[Pose, Pose] | None = None
         """Where the robot would be had nothing been corrected since the map last moved along, and where it is."""
-        self._waters: dict[CostFieldCfg, WaterMap] = {}
-        self._still: dict[CostFieldCfg, Water] = {}
-        """Of a snapshot."""
+        self._waters: dict[CostFieldCfg, tuple[NDArray[np.float32], Water]] = {}
+        """With the distances to obstacles of which each was made."""
 
     def snapshot(self) -> Belief:
         """Copy all that decisions read, for another thread to work on while this belief changes: some milliseconds."""
@@ -85,7 +79,7 @@ class Belief:
             self._failed.copy(),
             self._fruitless.copy(),
         )
-        copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
+        copied._waters = self._waters.copy()
         return copied
 
     def forget_doubt(self) -> bool:
@@ -94,7 +88,6 @@ class Belief:
             return False
         self._failed.clear()
         self._fruitless.clear()
-        self._still.clear()
         return True
 
     def correct(self, before: Pose, after: Pose, *, found: bool = False) -> None:
@@ -106,26 +99,18 @@ class Belief:
         if found or is_jump(drawn, after):
             self.map.carry(drawn, after, anew=found)
             drawn = after
-        if found:
-            self._see_all()
         self._drawn = drawn, after
 
     def look_again(self, first: int, end: int) -> None:
         """Take back what the robot saw from near in some pictures, see the map; clusters may no longer be visited."""
         self.map.look_again(first, end)
-        self._see_all()
-
-    def _see_all(self) -> None:
-        height, width = self.map.target.shape
-        self._seen = (0, height, 0, width)
 
     def water(self, cfg: CostFieldCfg) -> Water:
-        """Return the water of the present map; a later call may change it in place."""
-        if cfg in self._still:
-            return self._still[cfg]
-        if cfg not in self._waters:
-            self._waters[cfg] = WaterMap(self.map, cfg)
-        return self._waters[cfg].now()
+        """Return the water of the present map."""
+        distance = self.map.distance()
+        if cfg not in self._waters or self._waters[cfg][0] is not distance:
+            self._waters[cfg] = distance, Water.over(distance, self.map.cfg.cell_m, cfg)
+        return self._waters[cfg][1]
 
     def update(self, frame: Frame | None, pose: Pose, attitude: Attitude | None = None) -> None:
         """Take in the robot's pose and the picture taken there, if there is a new one; without an attitude, level."""
@@ -134,16 +119,14 @@ class Belief:
             self.frame = frame
             roll, pitch = (0.0, 0.0) if attitude is None else (attitude.roll, attitude.pitch)
             self.map.integrate(frame, pose, roll, pitch)
-            view = self.map.view_box(pose)
-            self._seen = view if self._seen is None else joined(self._seen, view)
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
             if self.cfg.centroids:
-                self.tracker.update(self._regions.update(), self.map.hints() if self.cfg.inspect.enabled else ())
+                found = components(self.map.target, self.map.cfg.cell_m, self.cfg.chain)
+                self.tracker.update(found, self.map.hints() if self.cfg.inspect.enabled else ())
             if self.cfg.inspect.enabled:
-                self._inspect(self._seen)
-                self._seen = None
+                self._inspect()
             else:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
             if frame is not None:
@@ -157,9 +140,9 @@ class Belief:
         trail = np.concatenate([self.trajectory, here])
         return self.map.distance_to_unknown(self.pose.x, self.pose.y, radius_m, trail, hull_m)
 
-    def _inspect(self, seen: Box | None = None) -> None:
+    def _inspect(self) -> None:
         cells = self.map
-        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
+        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect)
         self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
         for track in self.tracks if cells.estimated else ():
             if len(track.cells) and (cells.hides(track.cells) or self._unconfirmed(track)):
@@ -179,7 +162,6 @@ class Belief:
         """Take over the clusters and the trajectory, Shape=(N, 2), of an earlier survey. The map recalls itself."""
         self.tracker.recall(tracks)
         self._trail = [(float(x), float(y)) for x, y in trail]
-        self._see_all()
 
     def write_off(self, index: int) -> None:
         """Give up what is left to see of a cluster: it could not be seen from near.

@@ -16,6 +16,17 @@ JUMP_M = 0.15
 often, obstacles would fray."""
 
 
+Box = tuple[int, int, int, int]
+"""Rows and columns of a rectangle of cells: (y0, y1, x0, x1), the ends excluded."""
+
+
+def around(x: float, y: float, radius_m: float, cell_m: float, shape: tuple[int, int]) -> Box:
+    """Return the rectangle of cells within a radius (m) of a point, clipped to a grid of `shape`; empty beyond it."""
+    r, iy, ix = math.ceil(radius_m / cell_m) + 1, int(y // cell_m), int(x // cell_m)
+    y0, x0 = min(max(iy - r, 0), shape[0]), min(max(ix - r, 0), shape[1])
+    return y0, max(min(iy + r + 1, shape[0]), y0), x0, max(min(ix + r + 1, shape[1]), x0)
+
+
 def is_jump(before: Pose, after: Pose) -> bool:
     """Check whether corrections have moved what is around the robot too far."""
     turn = AROUND_M * abs(wrap(after.theta - before.theta))

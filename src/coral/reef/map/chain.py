@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
-from coral.reef.map.changes import Box, grown, meet
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,45 +99,41 @@ class Track:
 
 
 def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
-    """Find connected oyster regions of at least A_min, with their centroids (Eq. 2). `target` has Shape=(NY, NX)."""
-    ys, xs = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
-    if not ys.size:
+    """Find the connected oyster regions of at least A_min, with their centroids (Eq. 2), from the lowest row up.
+
+    `target` has Shape=(NY, NX).
+    """
+    rows, columns = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
+    if not rows.size:
         return []
-    window = grown((int(ys[0]), int(ys[-1]) + 1, int(xs[0]), int(xs[-1]) + 1), closing_width(cell_m, cfg), target.shape)
-    return [c for c, _ in label_regions(target, window, cell_m, cfg) if c.area_px >= cfg.min_area_px]
+    width = closing_width(cell_m, cfg)
+    y0, x0 = max(int(rows[0]) - width, 0), max(int(columns[0]) - width, 0)
+    part = target[y0 : int(rows[-1]) + 1 + width, x0 : int(columns[-1]) + 1 + width]
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+    closed = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
+    count, labels, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    iy, ix = np.nonzero(part)
+    of = labels[iy, ix]
+    order = np.argsort(of, kind="stable")
+    cells = np.stack([iy + y0, ix + x0], axis=1)[order]
+    ends = np.searchsorted(of[order], np.arange(count + 1))
+    left, top, wide, high, area = (stats[:, k].tolist() for k in range(5))
+    return [
+        Component(
+            x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
+            y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
+            area_px=area[k],
+            length_m=float(max(wide[k], high[k]) * cell_m),
+            cells=cells[ends[k] : ends[k + 1]],
+        )
+        for k in sorted(range(1, count), key=lambda k: (top[k], left[k]))
+        if area[k] >= cfg.min_area_px
+    ]
 
 
 def closing_width(cell_m: float, cfg: ChainCfg) -> int:
     """Return the width (cells) of the structuring element that closes gaps between oysters."""
     return max(1, round(cfg.closing_m / cell_m)) | 1
-
-
-def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg) -> list[tuple[Component, Box]]:
-    """Find the connected oyster regions in a window, of any size, cut at its edge. `target` has Shape=(NY, NX)."""
-    width = closing_width(cell_m, cfg)
-    s0, s1, t0, t1 = grown(window, width, target.shape)
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
-    y0, y1, x0, x1 = window
-    closed = cv2.morphologyEx(target[s0:s1, t0:t1].astype(np.uint8), cv2.MORPH_CLOSE, kernel)
-    closed = np.ascontiguousarray(closed[y0 - s0 : y1 - s0, x0 - t0 : x1 - t0])
-    count, labels, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
-    iy, ix = np.nonzero(target[y0:y1, x0:x1])
-    of = labels[iy, ix]
-    order = np.argsort(of, kind="stable")
-    cells = np.stack([iy + y0, ix + x0], axis=1)[order]
-    ends = np.searchsorted(of[order], np.arange(count + 1))
-    found = []
-    for k in range(1, count):
-        left, top, wide, high, area = (int(v) for v in stats[k])
-        component = Component(
-            x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
-            y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
-            area_px=area,
-            length_m=float(max(wide, high) * cell_m),
-            cells=cells[ends[k] : ends[k + 1]],
-        )
-        found.append((component, (top + y0, top + y0 + high, left + x0, left + x0 + wide)))
-    return found
 
 
 def order_chain(points: NDArray[np.float64]) -> list[int]:
@@ -199,8 +194,6 @@ class CentroidTracker:
         """Replaced as a whole, so that a shallow copy stays as it is."""
         self._labels = itertools.count()
         """A label means one cluster throughout a mission."""
-        self._inspected: dict[int, NDArray[np.intp]] = {}
-        """Cells of each cluster, by label, when it was last inspected."""
 
     def recall(self, tracks: Sequence[Track]) -> None:
         """Take over tracks of an earlier survey, with their labels; new ones get labels above them."""
@@ -274,19 +267,15 @@ class CentroidTracker:
         near_m: float,
         cell_m: float,
         cfg: InspectCfg,
-        seen: Box | None = None,
     ) -> None:
         """Update how much of each cluster has been seen from near, and mark as visited where next to nothing is left.
 
-        `nearest`, Shape=(NY, NX), is the smallest distance (m) from which each cell has been seen; it has changed only
-        in `seen` since the last call (None: anywhere). From `near_m` oysters can be counted. Cells that are
-        `unseeable`, Shape=(NY, NX), are not worth another try.
+        `nearest`, Shape=(NY, NX), is the smallest distance (m) from which each cell has been seen. From `near_m` on
+        oysters can be counted. Cells that are `unseeable`, Shape=(NY, NX), are not worth another try.
         """
-        tracks, inspected = [], {}
+        tracks = []
         for track in self.tracks:
-            same = self._inspected.get(track.index) is track.cells
-            inspected[track.index] = track.cells
-            if track.far or (seen is not None and same and not meet(_box(track.cells), seen)):
+            if track.far:
                 tracks.append(track)
                 continue
             iy, ix = track.cells[:, 0], track.cells[:, 1]
@@ -296,7 +285,7 @@ class CentroidTracker:
             least = max(cfg.least_m2 / cell_m**2, (1.0 - cfg.share) * len(far))
             points = np.asarray((left[:, ::-1] + 0.5) * cell_m, np.float64)
             tracks.append(replace(track, inspected=share, left=points, visited=len(left) <= least))
-        self.tracks, self._inspected = tracks, inspected
+        self.tracks = tracks
 
     def doubt(self, agreement: Callable[[NDArray[np.intp]], float], sure: float) -> None:
         """Mark the clusters of which the pictures agree, from 0 to 1, less than `sure` that there are oysters."""
@@ -318,14 +307,6 @@ class CentroidTracker:
         if order and tracks[order[-1]].index < tracks[order[0]].index:
             order.reverse()
         return [tracks[i] for i in order]
-
-
-def _box(cells: NDArray[np.intp]) -> Box:
-    """Return the rectangle that cells lie in; empty without any."""
-    if not len(cells):
-        return 0, 0, 0, 0
-    (y0, x0), (y1, x1) = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
-    return y0, y1 + 1, x0, x1 + 1
 
 
 def nearest_track(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, slowness_window
+from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, slowness
 
 UNREACHABLE = "goal unreachable"
 NO_FREE_CELL = "no free cell in the map"
@@ -196,11 +196,10 @@ class CostField:
 
 
 def slowness_over(distance: NDArray[np.float32], cell_m: float, cfg: CostFieldCfg) -> NDArray[np.float32]:
-    """Compute `slowness_window` over a whole map, Shape=(H, W). Shape=(h, w)."""
-    shape, clearance = distance.shape, (cfg.radius_m, cfg.band_m, cfg.penalty)
-    h, w = math.ceil(shape[0] / cfg.ratio), math.ceil(shape[1] / cfg.ratio)
-    out, fine = np.empty((h, w), np.float32), np.ascontiguousarray(distance, np.float32)
-    slowness_window(fine, (0, 0), shape, cell_m, cfg.ratio, *clearance, out, (0, h, 0, w))
+    """Compute the `slowness` of a map, Shape=(H, W). Shape=(h, w)."""
+    shape = math.ceil(distance.shape[0] / cfg.ratio), math.ceil(distance.shape[1] / cfg.ratio)
+    out, fine = np.empty(shape, np.float32), np.ascontiguousarray(distance, np.float32)
+    slowness(fine, cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty, out)
     return out
 
 

@@ -12,47 +12,34 @@ Grid = NDArray[np.float32]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def slowness_window(
-    distance: Grid,
-    origin: tuple[int, int],
-    shape: tuple[int, int],
-    fine_m: float,
-    ratio: int,
-    radius_m: float,
-    band_m: float,
-    penalty: float,
-    out: Grid,
-    window: tuple[int, int, int, int],
+def slowness(
+    distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float, out: Grid
 ) -> None:
-    """Compute the cost per metre of the coarse cells in a window; negative where the hull does not fit.
+    """Compute the cost per metre of coarse cells; negative where the hull does not fit.
 
     It is 1 in open water and rises quadratically over the last `band_m` to 1 + penalty where the hull would touch an
     obstacle. The edge of the map counts as an obstacle.
 
     Args:
-        distance: Shape=(H', W'), distance (m) of fine cells to the nearest obstacle cell, at least those of the window.
-        origin: Row and column in the map of the first of these cells.
-        shape: (H, W), fine cells of the whole map.
+        distance: Shape=(H, W), distance (m) of fine cells to the nearest obstacle cell.
         fine_m: Edge of a fine cell (m).
         ratio: Fine cells per coarse cell and axis.
         radius_m: Clearance that the robot's centre needs (m).
         band_m: Width of the soft band (m).
         penalty: Extra cost per metre at contact.
-        out: Shape=(h, w), coarse cells of the whole map, written inside the window.
-        window: Rows and columns (j0, j1, i0, i1) of coarse cells.
+        out: Shape=(h, w), written.
     """
-    fine_h, fine_w = shape
-    oy, ox = origin
+    fine_h, fine_w = distance.shape
     cell = fine_m * ratio
-    for j in range(window[0], window[1]):
-        for i in range(window[2], window[3]):
+    for j in range(out.shape[0]):
+        for i in range(out.shape[1]):
             j1, i1 = min((j + 1) * ratio, fine_h), min((i + 1) * ratio, fine_w)
-            row, col = j * ratio - oy, i * ratio - ox
-            if ratio == 2 and j1 == 2 * j + 2 and i1 == 2 * i + 2:  # the default case, unrolled
+            row, col = j * ratio, i * ratio
+            if ratio == 2 and j1 == row + 2 and i1 == col + 2:  # the default case, unrolled
                 total = distance[row, col] + distance[row, col + 1]
                 mean = 0.25 * (total + distance[row + 1, col] + distance[row + 1, col + 1])
             else:
-                mean = distance[row : j1 - oy, col : i1 - ox].mean()
+                mean = distance[row:j1, col:i1].mean()
             x, y = (i + 0.5) * cell, (j + 0.5) * cell
             edge = min(min(x, fine_w * fine_m - x), min(y, fine_h * fine_m - y))
             d = min(mean, edge)

@@ -17,8 +17,7 @@ from pydantic import Field
 from coral.config import CellSize, Count, NonNegative, Positive
 from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
-from coral.reef.map.carried import AROUND_M, moved_cells
-from coral.reef.map.changes import Box, around
+from coral.reef.map.carried import AROUND_M, Box, around, moved_cells
 from coral.reef.map.eyesight import Eyesight, looks_of
 from coral.reef.map.mapping_kernels import SATURATED, Counts, Nearness, classify, explore, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
@@ -415,10 +414,6 @@ class OccupancyMap:
         copied.target, copied.obstacle, copied.explored = self.target.copy(), self.obstacle.copy(), self.explored.copy()
         copied.sight = None if self.sight is None else self.sight.snapshot()
         return copied
-
-    def view_box(self, pose: Pose) -> Box:
-        """Return a rectangle of cells that holds all that the robot's map shows of a picture taken at `pose`."""
-        return self._window(pose, self.cfg.range_m + 1.0)
 
     def distance(self) -> NDArray[np.float32]:
         """Return the distance (m) of every cell to the nearest obstacle cell, by centres. Shape=(NY, NX), read only."""

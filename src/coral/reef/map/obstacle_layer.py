@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Count, NonNegative, Positive
-from coral.reef.map.changes import around
+from coral.reef.map.carried import around
 from coral.reef.map.layer_kernels import LEVEL, LOW, count, mark
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.vehicle.range_image import RangeImage, beam_directions

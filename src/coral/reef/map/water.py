@@ -1,4 +1,4 @@
-"""The water that the robot can cross, kept up to date while obstacles appear: the grid of its cost-to-go."""
+"""The water that the robot can cross: the grid of its cost-to-go."""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.map.changes import ChangeTracker, grown
-from coral.reef.map.costfield import CostFieldCfg, nearest_free
-from coral.reef.map.costfield_kernels import slowness_window
-from coral.reef.map.mapping import OccupancyMap, distance_to
+from coral.reef.map.costfield import CostFieldCfg, nearest_free, slowness_over
 
 
 @dataclass(frozen=True)
@@ -25,6 +22,11 @@ class Water:
     cell_m: float
     """Edge of a cell (m); cell (0, 0) at the world's origin."""
     cfg: CostFieldCfg
+
+    @classmethod
+    def over(cls, distance: NDArray[np.float32], cell_m: float, cfg: CostFieldCfg) -> Water:
+        """Return the water of a map whose cells are so far from the nearest obstacle (m), Shape=(H, W)."""
+        return cls(slowness_over(distance, cell_m, cfg), cell_m * cfg.ratio, cfg)
 
     def kept_from(self, places: Sequence[tuple[float, float]], clear_m: float) -> Water:
         """Return water that costs more the nearer it is to one of these places, from `clear_m` (m) on."""
@@ -68,47 +70,3 @@ class Reach:
         j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
         near = self.parts[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1]
         return bool(np.isin(near, self.starts).any())
-
-
-class WaterMap:
-    """Keeps the `Water` of a map. Only the surroundings of obstacle cells that have changed are computed again."""
-
-    def __init__(self, cells: OccupancyMap, cfg: CostFieldCfg) -> None:
-        self._cells, self.cfg = cells, cfg
-        ny, nx = cells.obstacle.shape
-        self._slowness = np.zeros((math.ceil(ny / cfg.ratio), math.ceil(nx / cfg.ratio)), np.float32)
-        self._changes = ChangeTracker(cells.obstacle)
-        self._begun = False
-
-    def now(self) -> Water:
-        """Return the water of the present map; a later call may change it in place."""
-        cell_m, shape = self._cells.cfg.cell_m, self._cells.obstacle.shape
-        changed = self._changes.take()
-        if not self._begun:
-            changed, self._begun = (0, shape[0], 0, shape[1]), True
-        if changed is not None:
-            cfg = self.cfg
-            rim = math.ceil((cfg.radius_m + cfg.band_m) / cell_m) + 2 * cfg.ratio
-            y0, y1, x0, x1 = grown(changed, rim, shape)
-            source = grown((y0, y1, x0, x1), rim + cfg.ratio, shape)
-            distance = distance_to(
-                np.ascontiguousarray(self._cells.obstacle[source[0] : source[1], source[2] : source[3]]), cell_m
-            )
-            slowness_window(
-                distance,
-                (source[0], source[2]),
-                shape,
-                cell_m,
-                cfg.ratio,
-                cfg.radius_m,
-                cfg.band_m,
-                cfg.penalty,
-                self._slowness,
-                (y0 // cfg.ratio, math.ceil(y1 / cfg.ratio), x0 // cfg.ratio, math.ceil(x1 / cfg.ratio)),
-            )
-        return Water(self._slowness, cell_m * self.cfg.ratio, self.cfg)
-
-    def snapshot(self) -> Water:
-        """Return the water of the present map, which stays as it is."""
-        water = self.now()
-        return replace(water, slowness=water.slowness.copy())

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.map.chain import ChainCfg, closing_width, label_regions
+from coral.reef.map.chain import ChainCfg, closing_width, components
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.cover import Area, Cover, area_within, fine_of
 
@@ -47,8 +47,7 @@ def label_clusters(cells: OccupancyMap, cfg: ChainCfg, beside_m: float) -> NDArr
     Clusters are the regions that the robot's own centroid chain is made of (paper III-B). Shape=(NY, NX).
     """
     cell_m = cells.cfg.cell_m
-    found = label_regions(cells.target, (0, cells.target.shape[0], 0, cells.target.shape[1]), cell_m, cfg)
-    regions = [component for component, _ in found if component.area_px >= cfg.min_area_px and len(component.cells)]
+    regions = components(cells.target, cell_m, cfg)
     group = np.zeros(cells.target.shape, np.int32)
     for number, component in enumerate(regions, 1):
         group[component.cells[:, 0], component.cells[:, 1]] = number
