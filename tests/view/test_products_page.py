@@ -37,8 +37,8 @@ def products(survey_run):
 def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(products, tmp_path):
     placement = EarthPlacement(products.recording.start, Datum(36.95, -122.02))
     page = write_products_page(products, placement, tmp_path, ["clusters.csv"], CoverCfg()).read_text()
-    assert f"{products.area.m2:.2f} m²" in page
-    assert f"{products.area.low_m2:.2f} to {products.area.high_m2:.2f} m²" in page
+    assert f"{products.area.value:.2f} m²" in page
+    assert f"{products.area.low:.2f} to {products.area.high:.2f} m²" in page
     assert "shells that overlap count once" in page
     assert "The recording has no colour pictures" in page
     assert "EPSG:32610" in page

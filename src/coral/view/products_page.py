@@ -65,8 +65,8 @@ class TruthComparison:
         return cls(
             m2=true.m2,
             whole_m2=true.whole_m2,
-            error=area.m2 / true.m2 - 1.0 if true.m2 and products.judgement.judged else None,
-            inside=area.low_m2 <= true.m2 <= area.high_m2,
+            error=area.value / true.m2 - 1.0 if true.m2 and products.judgement.judged else None,
+            inside=area.low <= true.m2 <= area.high,
             oysters=true.oysters,
             oysters_error=count.value / true.oysters - 1.0 if count is not None and true.oysters else None,
             length_m=true.length_m,
@@ -146,9 +146,9 @@ def _headline(products: SurveyProducts) -> str:
     area, count = products.area, len(products.clusters)
     groups = "one cluster" if count == 1 else f"{count} clusters"
     if warning := products.judgement.warning():
-        return f"{warning}. Oysters may cover {area.low_m2:.0f} to {area.high_m2:.2f} m² of what they show."
+        return f"{warning}. Oysters may cover {area.low:.0f} to {area.high:.2f} m² of what they show."
     return (
-        f"Oysters cover {area.m2:.2f} m² of the sea floor ({area.low_m2:.2f} to {area.high_m2:.2f} m²), in {groups}; "
+        f"Oysters cover {area.value:.2f} m² of the sea floor ({area.low:.2f} to {area.high:.2f} m²), in {groups}; "
         f"{products.seen_m2:.0f} m² were seen near enough to tell."
     )
 

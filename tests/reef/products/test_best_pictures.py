@@ -9,7 +9,7 @@ from coral.reef.products.clusters import label_clusters
 
 def test_the_best_come_first_and_apart(products, recording):
     group = label_clusters(products.cells, ChainCfg(), 0.1)
-    found = best_pictures(recording, group, each=3, apart_s=3.0)
+    found = best_pictures(recording, group)
     assert [picture.cluster for picture in found] == [1, 1, 1]
     assert found[0].pixels >= found[1].pixels >= found[2].pixels > 50
     assert all(abs(a.t - b.t) >= 3.0 for a, b in itertools.combinations(found, 2))

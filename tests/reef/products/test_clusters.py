@@ -35,11 +35,11 @@ def test_a_cluster_is_measured_within_its_outline(cells):
     cells.nearest[:] = 2.0
     group = label_clusters(cells, ChainCfg(), 0.1)
     first, second = measure_clusters(cells, group, np.full((60, 80), 7, np.uint16), cover, [], ChainCfg())
-    assert (first.area.m2, first.outline_m2, first.cover) == pytest.approx((0.25, 0.5, 0.5), rel=1e-3)
+    assert (first.area.value, first.outline_m2, first.cover) == pytest.approx((0.25, 0.5, 0.5), rel=1e-3)
     assert (first.x, first.y) == pytest.approx((1.0, 0.75))
     assert (first.seen_from_m, first.looks) == (2.0, 7)
     assert first.pixel_m == pytest.approx(2.0 / cells.focal_px)
-    assert second.area.m2 == 0.0
+    assert second.area.value == 0.0
     (ring,) = first.outlines
     assert ring.min(axis=0) == pytest.approx((0.5, 0.5), abs=0.01)
     assert ring.max(axis=0) == pytest.approx((1.5, 1.0), abs=0.01)

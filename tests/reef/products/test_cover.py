@@ -1,4 +1,4 @@
-"""Area of oysters from pictures, and its interval."""
+"""SurveyEstimate of oysters from pictures, and its interval."""
 
 import math
 from dataclasses import replace
@@ -32,8 +32,8 @@ CALIBRATION = CoverCalibration(tuple(k / BINS for k in range(BINS)), 0.03, 0.1, 
 
 def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
     truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, products.fine_m).whole_m2
-    assert products.area.m2 == pytest.approx(truth, rel=0.1)
-    assert products.area.low_m2 < truth < products.area.high_m2
+    assert products.area.value == pytest.approx(truth, rel=0.1)
+    assert products.area.low < truth < products.area.high
     # Whole cells that a shell touches are far more.
     assert products.cells.target.sum() * 0.05**2 > 1.2 * truth
 
@@ -48,14 +48,14 @@ def test_the_interval_is_the_unknown_and_the_sampling_error():
 
     everything = np.ones((10, 10), bool)
     alone = area_within(cover(seen, filled), [], everything)
-    assert alone.m2 == pytest.approx(0.3)
-    assert alone.high_m2 - alone.m2 == pytest.approx(1.96 * 0.2 / math.sqrt(12), rel=1e-5)
+    assert alone.value == pytest.approx(0.3)
+    assert alone.high - alone.value == pytest.approx(1.96 * 0.2 / math.sqrt(12), rel=1e-5)
     rough = area_within(replace(cover(seen, filled), cfg=CoverCfg(fine_m=0.1, edge=0.1)), [], everything)
-    assert rough.m2 - rough.low_m2 == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.03), rel=1e-5)
+    assert rough.value - rough.low == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.03), rel=1e-5)
     # Two replicates of 0.28 and 0.32 m²: delete-a-group variance 1/2 (0.02² + 0.02²).
     less, more = cover(seen * 0.8, filled), cover(seen * 1.2, filled)
     both = area_within(cover(seen, filled), [less, more], everything)
-    assert both.m2 - both.low_m2 == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.02), rel=1e-5)
+    assert both.value - both.low == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.02), rel=1e-5)
 
 
 def test_each_subset_is_left_out_once(recording):
@@ -121,9 +121,9 @@ def test_a_calibrated_share_is_what_it_has_meant():
     np.testing.assert_allclose(calibrated.seen, 0.4)
     np.testing.assert_allclose(calibrated.filled, 0.4)
     area = area_within(calibrated, [], np.ones((10, 10), bool))
-    assert area.m2 == pytest.approx(100 * 0.02**2 * 0.4)
+    assert area.value == pytest.approx(100 * 0.02**2 * 0.4)
     # One reef: its error counts twice over, as that of the calibration and as that of this reef.
-    assert area.high_m2 - area.m2 == pytest.approx(1.96 * math.sqrt(2.0) * 0.3 * area.m2)
+    assert area.high - area.value == pytest.approx(1.96 * math.sqrt(2.0) * 0.3 * area.value)
 
 
 def test_what_a_calibrated_network_saw_without_doubt_counts_as_it_is(recording):

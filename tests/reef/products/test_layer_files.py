@@ -13,10 +13,16 @@ pytest.importorskip("pyproj")
 pyogrio = pytest.importorskip("pyogrio")
 
 SQUARE = np.array([[2.0, 3.0], [12.0, 3.0], [12.0, 23.0], [2.0, 23.0]])
+
+
+def layer(name, kind, feature):
+    return Layer(name, f"some {name}", kind, (feature,), tuple(feature.values))
+
+
 LAYERS = [
-    Layer("clusters", "MultiPolygon", (Feature((SQUARE, SQUARE + 30.0), {"number": 1, "area": 0.5, "note": "a"}),)),
-    Layer("track", "LineString", (Feature((SQUARE,), {"pictures": 4}),)),
-    Layer("pictures", "Point", (), columns=("picture",)),
+    layer("clusters", "MultiPolygon", Feature((SQUARE, SQUARE + 30.0), {"number": 1, "area": 0.5, "note": "a"})),
+    layer("track", "LineString", Feature((SQUARE,), {"pictures": 4})),
+    Layer("pictures", "", "Point", (), ("picture",)),
 ]
 
 
@@ -44,8 +50,8 @@ def test_without_a_datum_there_is_no_place(tmp_path):
 
 def test_gdal_finds_the_outline_where_it_lies(tmp_path):
     square = np.array([[2.0, 3.0], [12.0, 3.0], [12.0, 23.0], [2.0, 23.0]])
-    layer = Layer("clusters", "MultiPolygon", (Feature((square,), {"number": 1, "area_m2": 0.5, "none": None}),))
-    write_geojson(tmp_path / "x.geojson", layer, EarthPlacement(Pose(2.0, 3.0, 0.0), Datum(45.0, 9.0)))
+    clusters = layer("clusters", "MultiPolygon", Feature((square,), {"number": 1, "area_m2": 0.5, "none": None}))
+    write_geojson(tmp_path / "x.geojson", clusters, EarthPlacement(Pose(2.0, 3.0, 0.0), Datum(45.0, 9.0)))
     info = pyogrio.read_info(tmp_path / "x.geojson", force_total_bounds=True)
     assert info["crs"] == "EPSG:4326"
     assert info["features"] == 1
@@ -58,8 +64,8 @@ def test_gdal_finds_the_outline_where_it_lies(tmp_path):
 def test_points_and_lines_have_their_kinds(tmp_path):
     line = np.array([[0.0, 0.0], [1.0, 0.0]])
     for kind, count in (("Point", 2), ("LineString", 2)):
-        layer = Layer("x", kind, (Feature((line,), {}),))
-        write_geojson(tmp_path / "x.geojson", layer, EarthPlacement(Pose(0, 0, 0), Datum(45.0, 9.0)))
+        of_kind = layer("x", kind, Feature((line,), {}))
+        write_geojson(tmp_path / "x.geojson", of_kind, EarthPlacement(Pose(0, 0, 0), Datum(45.0, 9.0)))
         geometry = json.loads((tmp_path / "x.geojson").read_text())["features"][0]["geometry"]
         assert geometry["type"] == kind
         assert len(geometry["coordinates"]) == count
@@ -69,10 +75,9 @@ def test_points_and_lines_have_their_kinds(tmp_path):
 def test_what_lies_on_the_date_line_is_cut_there(tmp_path, longitude, heading):
     square = np.array([[0.0, 0.0], [40.0, 0.0], [40.0, 10.0], [0.0, 10.0]])
     placement = EarthPlacement(Pose(0.0, 0.0, 0.0), Datum(-17.0, longitude, heading))
-    layers = {kind: Layer("x", kind, (Feature((square,), {}),)) for kind in ("MultiPolygon", "LineString", "Point")}
     found = {}
-    for kind, layer in layers.items():
-        write_geojson(tmp_path / "x.geojson", layer, placement)
+    for kind in ("MultiPolygon", "LineString", "Point"):
+        write_geojson(tmp_path / "x.geojson", layer("x", kind, Feature((square,), {})), placement)
         found[kind] = json.loads((tmp_path / "x.geojson").read_text())["features"][0]["geometry"]
     assert found["LineString"]["type"] == "MultiLineString"
     parts = [ring for (ring,) in found["MultiPolygon"]["coordinates"]] + found["LineString"]["coordinates"]
@@ -95,11 +100,6 @@ def test_a_ring_is_closed_and_counter_clockwise():
     assert len(ring) == 5
     assert ring[1].tolist() == [1.0, 0.0]
     np.testing.assert_array_equal(closed_ring(ring), ring)
-
-
-def test_an_empty_layer_knows_its_columns():
-    assert Layer("x", "Point", (), columns=("a",)).attributes == ("a",)
-    assert Layer("x", "Point", (Feature((), {"b": 1}),), columns=("a",)).attributes == ("b",)
 
 
 def test_rows_come_in_the_order_of_the_columns_and_what_is_not_known_is_empty(tmp_path):

@@ -54,12 +54,12 @@ def test_a_cell_of_a_placed_raster_is_where_the_cell_of_the_map_is(heading):
     values = np.zeros((40, 60), np.float32)
     values[30, 10] = 5.0
     placement = EarthPlacement(Pose(1.0, 1.0, 0.0), Datum(36.95, -122.02, heading))
-    raster = place_raster(values, 0.5, placement, -1.0, pixel_m=0.1)
+    raster = place_raster(values, 0.5, placement, -1.0)
     easting, northing = (float(v[0]) for v in placement.to_output(np.array([5.25]), np.array([15.25])))
-    row = int((raster.north - northing) / 0.1)
-    column = int((easting - raster.west) / 0.1)
+    row = int((raster.north - northing) / 0.5)
+    column = int((easting - raster.west) / 0.5)
     assert raster.values[row, column] == 5.0
-    assert np.count_nonzero(raster.values == 5.0) == pytest.approx(25, abs=3)
+    assert np.count_nonzero(raster.values == 5.0) in (1, 2)
 
 
 def test_without_a_datum_north_is_up_in_metres_of_the_map():

@@ -12,10 +12,10 @@ from coral.reef.products.survey_products import ProductsCfg, mean_in_cells, meas
 def test_area_density_and_clusters_agree(products):
     known = np.isfinite(products.density)
     spread = np.nansum(products.density) * products.density_cell_m**2
-    assert spread == pytest.approx(products.area.m2, rel=0.05)
+    assert spread == pytest.approx(products.area.value, rel=0.05)
     assert known.any()
     assert not known.all()
-    assert sum(one.area.m2 for one in products.clusters) == pytest.approx(products.area.m2, rel=0.2)
+    assert sum(one.area.value for one in products.clusters) == pytest.approx(products.area.value, rel=0.2)
     assert products.track.shape == (products.keyframes, 2) == (41, 2)
 
 
@@ -42,4 +42,4 @@ def test_cells_that_a_calibrated_network_hardly_covers_are_no_oysters(recording,
     assert not found["doubtful"].cells.target.any()
     assert found["doubtful"].clusters == ()
     # The area is that of all votes all the same: doubtful cells have oysters now and then.
-    assert found["doubtful"].area.m2 == pytest.approx(0.2 * found["sure"].area.m2)
+    assert found["doubtful"].area.value == pytest.approx(0.2 * found["sure"].area.value)

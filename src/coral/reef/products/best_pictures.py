@@ -12,6 +12,9 @@ from coral.reef.products.seen_points import find_points
 from coral.reef.recordings.recording import Recording
 from coral.reef.world.geometry import Label
 
+EACH, APART_S = 3, 3.0
+"""Most pictures of a cluster, and the least time between two of them."""
+
 
 @dataclass(frozen=True)
 class ClusterPicture:
@@ -28,10 +31,8 @@ class ClusterPicture:
     """Shape=(H, W, 3), red first."""
 
 
-def best_pictures(
-    recording: Recording, group: NDArray[np.int32], each: int = 3, apart_s: float = 3.0
-) -> list[ClusterPicture]:
-    """Choose up to `each` pictures of every cluster of a located recording, `apart_s` seconds apart, the best first.
+def best_pictures(recording: Recording, group: NDArray[np.int32]) -> list[ClusterPicture]:
+    """Choose up to `EACH` pictures of every cluster of a located recording, the best first.
 
     `group` is the number of each cell's cluster, from `label_clusters`. Shape=(NY, NX).
     """
@@ -47,9 +48,9 @@ def best_pictures(
     for cluster in range(1, count + 1):
         taken: list[int] = []
         for k in sorted(range(len(scores)), key=lambda k: -int(scores[k][1][cluster])):
-            if len(taken) == each or scores[k][1][cluster] == 0:
+            if len(taken) == EACH or scores[k][1][cluster] == 0:
                 break
-            if all(abs(scores[k][0] - scores[other][0]) >= apart_s for other in taken):
+            if all(abs(scores[k][0] - scores[other][0]) >= APART_S for other in taken):
                 taken.append(k)
         for rank, k in enumerate(taken):
             chosen.setdefault(k, []).append((cluster, rank))

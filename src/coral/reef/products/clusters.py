@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from coral.reef.map.chain import ChainCfg, closing_width, components
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.products.cover import Area, Cover, area_within, fine_of
+from coral.reef.products.cover import Cover, SurveyEstimate, area_within, fine_of, nearest_in
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,8 +22,8 @@ class ClusterProduct:
     x: float
     y: float
     """Centroid in the map (m)."""
-    area: Area
-    """Area that shells cover."""
+    area: SurveyEstimate
+    """Area that shells cover (m²)."""
     outline_m2: float
     """Area within its outline, gaps between shells included."""
     outlines: tuple[NDArray[np.float64], ...]
@@ -38,7 +38,7 @@ class ClusterProduct:
     @property
     def cover(self) -> float:
         """Share of its outline that shells cover."""
-        return min(self.area.m2 / self.outline_m2, 1.0)
+        return min(self.area.value / self.outline_m2, 1.0)
 
 
 def label_clusters(cells: OccupancyMap, cfg: ChainCfg, beside_m: float) -> NDArray[np.int32]:
@@ -53,13 +53,8 @@ def label_clusters(cells: OccupancyMap, cfg: ChainCfg, beside_m: float) -> NDArr
         group[component.cells[:, 0], component.cells[:, 1]] = number
     if not regions:
         return group
-    away, nearest = cv2.distanceTransformWithLabels(
-        (group == 0).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    of = np.zeros(int(nearest.max()) + 1, np.int32)
-    inside = group > 0
-    of[nearest[inside]] = group[inside]
-    return np.where(away * cell_m <= beside_m + 1e-6, of[nearest], 0).astype(np.int32)
+    away, nearest = nearest_in(group > 0)
+    return np.where(away * cell_m <= beside_m + 1e-6, group.ravel()[nearest], 0).astype(np.int32)
 
 
 def measure_clusters(

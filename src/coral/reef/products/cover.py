@@ -23,6 +23,7 @@ SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0
 """Edges between bins of the share of votes. Most cells are near 0 or 1."""
 DEPTHS_M = (0.8, 1.0, 1.2, 1.4, 1.6, 2.0, 2.5)
 """Edges between bins of the depth of the nearest pixel (m)."""
+ANY_DOUBT = DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)
 BINS = (len(SHARES) + 1) * (len(DEPTHS_M) + 1)
 
 
@@ -52,17 +53,26 @@ class CoverCfg:
 
 
 @dataclass(frozen=True)
-class Area:
-    """An area of oysters with the interval that should contain the truth in 95 of 100 cases (m²)."""
+class SurveyEstimate:
+    """A number, such as an area of oysters (m²), with the interval that should contain the truth in 95 of 100 cases."""
 
-    m2: float
-    low_m2: float
-    high_m2: float
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def around(cls, value: float, error: float) -> SurveyEstimate:
+        """Return a number that is not negative with the interval of its standard deviation."""
+        return cls(value, max(value - NORMAL_95 * error, 0.0), value + NORMAL_95 * error)
+
+    def times(self, factor: float) -> SurveyEstimate:
+        """Return it in another unit."""
+        return SurveyEstimate(factor * self.value, factor * self.low, factor * self.high)
 
     @property
     def relative_error(self) -> float:
-        """Standard deviation as a share of the area; 0 for none."""
-        return (self.high_m2 - self.m2) / NORMAL_95 / self.m2 if self.m2 > 0.0 else 0.0
+        """Standard deviation as a share of the number; 0 for none."""
+        return (self.high - self.value) / NORMAL_95 / self.value if self.value > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -91,6 +101,11 @@ class Votes:
     nearest_m: NDArray[np.float32]
     """Depth of the nearest pixel (m), inf for none. Shape=(FY, FX)."""
 
+    @classmethod
+    def none(cls, shape: tuple[int, int]) -> Votes:
+        """Begin without any."""
+        return cls(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32))
+
 
 def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cover]]:
     """Measure the cover from all pictures of a located recording, and from all but each subset.
@@ -118,18 +133,20 @@ def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Vo
     for the map.
     """
     if soft:
-        recording = replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)))
+        recording = with_doubt(recording, ANY_DOUBT)
     shape = grid_shape(recording, cfg.fine_m)
-    parts = [
-        Votes(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32))
-        for _ in range(max(cfg.subsets, 1))
-    ]
+    parts = [Votes.none(shape) for _ in range(cfg.subsets)]
     for number, keyframe in enumerate(recording.keyframes()):
         votes = parts[number % len(parts)]
         points = find_points(keyframe, recording, cfg.fine_m, shape, cfg.range_m)
         likely = oyster_probability(points.frame, soft=soft)
         vote(points.cell, points.frame.depth, likely, votes)
     return parts
+
+
+def with_doubt(recording: Recording, doubt: DoubtCfg) -> Recording:
+    """Return a recording whose pixels count up to another doubt."""
+    return replace(recording, map=replace(recording.map, doubt=doubt))
 
 
 def vote(cell: NDArray[np.int64], depth: NDArray[np.float32], likely: NDArray[np.float32], votes: Votes) -> None:
@@ -146,13 +163,12 @@ def vote(cell: NDArray[np.int64], depth: NDArray[np.float32], likely: NDArray[np
 
 def sum_votes(parts: list[Votes]) -> Votes:
     """Return the votes of all subsets together."""
-    oyster, floor = np.zeros_like(parts[0].oyster), np.zeros_like(parts[0].floor)
-    nearest = np.full_like(parts[0].nearest_m, np.inf)
+    whole = Votes.none((parts[0].oyster.shape[0], parts[0].oyster.shape[1]))
     for one in parts:
-        oyster += one.oyster
-        floor += one.floor
-        np.minimum(nearest, one.nearest_m, out=nearest)
-    return Votes(oyster, floor, nearest)
+        np.add(whole.oyster, one.oyster, out=whole.oyster)
+        np.add(whole.floor, one.floor, out=whole.floor)
+        np.minimum(whole.nearest_m, one.nearest_m, out=whole.nearest_m)
+    return whole
 
 
 def oyster_probability(frame: Frame, *, soft: bool) -> NDArray[np.float32]:
@@ -169,7 +185,7 @@ def oyster_probability(frame: Frame, *, soft: bool) -> NDArray[np.float32]:
     return likely.astype(np.float32)
 
 
-def area_within(cover: Cover, without: list[Cover], region: NDArray[np.bool_]) -> Area:
+def area_within(cover: Cover, without: list[Cover], region: NDArray[np.bool_]) -> SurveyEstimate:
     """Return the area of oysters in a region of fine cells, Shape=(FY, FX), with its interval.
 
     The area is the middle of what was seen and what may be: gaps hide oysters and floor alike, in an unknown share that
@@ -188,17 +204,26 @@ def area_within(cover: Cover, without: list[Cover], region: NDArray[np.bool_]) -
     count = len(replicates)
     sampling = 0.0 if count < 2 else (count - 1) / count * float(((replicates - replicates.mean()) ** 2).sum())
     network = 0.0 if cover.calibration is None else cover.calibration.std_m2(middle)
-    half = NORMAL_95 * math.sqrt(unknown**2 + sampling + (cover.cfg.edge * middle) ** 2 + network**2)
-    return Area(middle, max(middle - half, 0.0), middle + half)
+    error = math.sqrt(unknown**2 + sampling + (cover.cfg.edge * middle) ** 2 + network**2)
+    return SurveyEstimate.around(middle, error)
 
 
 def fine_of(cells: NDArray[np.bool_], cell_m: float, cover: Cover) -> NDArray[np.bool_]:
     """Return a mask of map cells, Shape=(NY, NX), on the fine cells, Shape=(FY, FX)."""
-    fy, fx = cover.seen.shape
-    ny, nx = cells.shape
-    iy = np.minimum(((np.arange(fy) + 0.5) * cover.cfg.fine_m / cell_m).astype(np.intp), ny - 1)
-    ix = np.minimum(((np.arange(fx) + 0.5) * cover.cfg.fine_m / cell_m).astype(np.intp), nx - 1)
-    return cells[np.ix_(iy, ix)]
+    return cells[np.ix_(*larger_cells(cover.seen.shape, cover.cfg.fine_m, cells.shape, cell_m))]
+
+
+def larger_cells(
+    shape: tuple[int, ...], fine_m: float, larger: tuple[int, ...], cell_m: float
+) -> tuple[NDArray[np.intp], ...]:
+    """Return the row of the larger cells in which each row of fine cells lies, and the same of the columns.
+
+    Shape=(FY,), (FX,).
+    """
+    return tuple(
+        np.minimum(((np.arange(fine) + 0.5) * fine_m / cell_m).astype(np.intp), cells - 1)
+        for fine, cells in zip(shape, larger, strict=True)
+    )
 
 
 def make_cover(votes: Votes, cfg: CoverCfg, calibration: CoverCalibration | None = None) -> Cover:
@@ -221,12 +246,21 @@ def locate_gaps(
     share = np.where(hit, np.clip(votes.oyster / np.maximum(total, 1e-4), 0.0, 1.0), 0.0).astype(np.float32)
     if not hit.any():
         return share, hit, np.zeros(hit.shape, np.intp), hit
+    away, nearest = nearest_in(hit)
+    return share, hit, nearest, np.asarray(away * cfg.fine_m <= cfg.gap_m)
+
+
+def nearest_in(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
+    """Return the distance (cells) of every cell to the nearest one of a mask, and that as an index into the flat array.
+
+    Shape=(NY, NX) each; the mask has a cell.
+    """
     away, label = cv2.distanceTransformWithLabels(
-        (~hit).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+        (~mask).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
     cell_of = np.zeros(int(label.max()) + 1, np.intp)
-    cell_of[label[hit]] = np.flatnonzero(hit)
-    return share, hit, cell_of[label], np.asarray(away * cfg.fine_m <= cfg.gap_m)
+    cell_of[label[mask]] = np.flatnonzero(mask)
+    return np.asarray(away, np.float32), cell_of[label]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.reef.products import product_files
 from coral.reef.products.geotiff import write_geotiff
@@ -17,7 +16,6 @@ from coral.reef.products.layer_files import (
     Feature,
     Layer,
     Value,
-    closed_ring,
     write_geojson,
     write_geopackage,
     write_table,
@@ -34,14 +32,14 @@ CLUSTER_COLUMNS, SHELL_COLUMNS, DENSITY_COLUMNS = (
 
 
 def write_products(products: SurveyProducts, placement: EarthPlacement, folder: Path, lens: str = "") -> list[str]:
-    """Write all files into a folder, and return their names. `lens` says how the lens disagrees with the pictures.
+    """Write all files into a new or empty folder, and return their names.
+
+    `lens` says how the lens disagrees with the pictures.
 
     Raises:
-        InputError: The folder is not new or empty, or a package of the extra geo is missing.
+        InputError: A package of the extra geo is missing.
         OSError: A file cannot be written.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
     _write_rasters(products, placement, folder)
     write_whole(folder / ProductFiles.CELLS, encode_png(products.cells.cells()))
     layers = make_layers(products, placement)
@@ -49,8 +47,7 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     if placement.datum is not None:
         write_geojson(folder / ProductFiles.PLACES, layers[0], placement)
     write_table(folder / ProductFiles.CLUSTERS, CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
-    density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
-    write_table(folder / ProductFiles.DENSITIES, DENSITY_COLUMNS, density)
+    write_table(folder / ProductFiles.DENSITIES, DENSITY_COLUMNS, [feature.values for feature in layers[1].features])
     write_table(folder / ProductFiles.SHELLS, SHELL_COLUMNS, _shells(products))
     for name, picture in zip(picture_names(products), products.pictures, strict=True):
         write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
@@ -67,9 +64,9 @@ def summary(products: SurveyProducts, placement: EarthPlacement, lens: str = "")
         "recording": products.recording.name,
         "lens": lens,
         "keyframes": products.keyframes,
-        "oyster_area_m2": round(products.area.m2, 3) if products.judgement.judged else None,
-        "oyster_area_low_m2": round(products.area.low_m2, 3),
-        "oyster_area_high_m2": round(products.area.high_m2, 3),
+        "oyster_area_m2": round(products.area.value, 3) if products.judgement.judged else None,
+        "oyster_area_low_m2": round(products.area.low, 3),
+        "oyster_area_high_m2": round(products.area.high, 3),
         "not_judged": products.judgement.warning(),
         "pictures_unlike": products.judgement.unlike,
         "seen_m2": round(products.seen_m2, 1),
@@ -121,8 +118,8 @@ def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Lay
         values: Mapping[str, Value] = {
             "number": one.number, "x_m": round(one.x, 3), "y_m": round(one.y, 3),
             "latitude": latitude, "longitude": longitude,
-            "area_m2": round(one.area.m2, 4), "area_low_m2": round(one.area.low_m2, 4),
-            "area_high_m2": round(one.area.high_m2, 4), "outline_m2": round(one.outline_m2, 4),
+            "area_m2": round(one.area.value, 4), "area_low_m2": round(one.area.low, 4),
+            "area_high_m2": round(one.area.high, 4), "outline_m2": round(one.outline_m2, 4),
             "cover": round(one.cover, 4), "seen_from_m": _finite(one.seen_from_m),
             "pixel_mm": _finite(1000.0 * one.pixel_m), "looks": one.looks,
             "pictures": " ".join(names.get(one.number, ())),
@@ -137,10 +134,10 @@ def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Lay
     ]
     track = [Feature((products.track,), {"pictures": products.keyframes})] if products.keyframes > 1 else []
     return [
-        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS),
-        Layer("density", "MultiPolygon", tuple(_density(products)), "oysters per sea floor", DENSITY_COLUMNS),
-        Layer("pictures", "Point", tuple(points), "the best pictures", ("picture", "cluster", "t_s", "pixels")),
-        Layer("track", "LineString", tuple(track), "where pictures were taken", ("pictures",)),
+        Layer("clusters", "oyster clusters", "MultiPolygon", tuple(clusters), CLUSTER_COLUMNS),
+        Layer("density", "oysters per sea floor", "MultiPolygon", tuple(_density(products)), DENSITY_COLUMNS),
+        Layer("pictures", "the best pictures", "Point", tuple(points), ("picture", "cluster", "t_s", "pixels")),
+        Layer("track", "where pictures were taken", "LineString", tuple(track), ("pictures",)),
     ]
 
 
@@ -189,7 +186,7 @@ def _density(products: SurveyProducts) -> list[Feature]:
         values: dict[str, Value] = {
             "x_m": round(x + edge / 2, 3), "y_m": round(y + edge / 2, 3), "oysters_m2_per_m2": share,
         }  # fmt: skip
-        features.append(Feature((closed_ring(square),), values))
+        features.append(Feature((square,), values))
     return features
 
 

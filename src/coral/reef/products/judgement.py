@@ -7,19 +7,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import is_judged
 from coral.reef.products.cover import (
-    Area,
+    ANY_DOUBT,
     Cover,
     CoverCfg,
+    SurveyEstimate,
     Votes,
     collect_votes,
     fine_of,
+    larger_cells,
     make_cover,
     oyster_probability,
     sum_votes,
     vote,
+    with_doubt,
 )
 from coral.reef.products.seen_points import find_points, grid_shape
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
@@ -48,14 +50,14 @@ class PossibleCover:
     sure: NDArray[np.float32] | None
     """Share of oysters without much doubt; None where the errors of the network are known, or it has none."""
 
-    def widen(self, area: Area, region: NDArray[np.bool_]) -> Area:
+    def widen(self, area: SurveyEstimate, region: NDArray[np.bool_]) -> SurveyEstimate:
         """Return the area of a region of fine cells, Shape=(FY, FX), with what may be there in its interval."""
-        high = max(area.high_m2, area.m2 + self._sum(self.possible, region & self.left_out))
-        low = area.low_m2
+        high = max(area.high, area.value + self._sum(self.possible, region & self.left_out))
+        low = area.low
         if self.sure is not None:
             low = min(low, self._sum(self.sure, region))
             high = max(high, self._sum(self.possible, region))
-        return Area(area.m2, low, high + self._sum(self.unjudged, region))
+        return SurveyEstimate(area.value, low, high + self._sum(self.unjudged, region))
 
     def _sum(self, share: NDArray[np.float32] | NDArray[np.bool_], region: NDArray[np.bool_]) -> float:
         return float(share[region].sum(dtype=np.float64)) * self.cell_m2
@@ -88,15 +90,12 @@ def judge(
 
     `whole` is its cover by `measure_cover`, of which the fine cells `counted`, Shape=(FY, FX), make the area.
     """
-    wide = replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)))
+    wide = with_doubt(recording, ANY_DOUBT)
     shape, cell_m = grid_shape(recording, cfg.fine_m), recording.map.cell_m
     known, unknown = np.zeros(shape, np.bool_), np.zeros(shape, np.bool_)
-    votes = Votes(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32))
+    votes = Votes.none(shape)
     looks = np.zeros(grid_shape(recording, cell_m), np.uint16)
-    iy, ix = (
-        np.minimum(((np.arange(fine) + 0.5) * cfg.fine_m / cell_m).astype(np.intp), cells - 1)
-        for fine, cells in zip(shape, looks.shape, strict=True)
-    )
+    iy, ix = larger_cells(shape, cfg.fine_m, looks.shape, cell_m)
     pictures = unlike = 0
     network = recording.seen_by not in (RECORDED, EXACT)
     for keyframe in recording.keyframes():
@@ -121,6 +120,5 @@ def judge(
 
 
 def _sure(recording: Recording, cfg: CoverCfg) -> NDArray[np.float32]:
-    doubt = replace(recording.map.doubt, oyster=SURE)
-    votes = collect_votes(replace(recording, map=replace(recording.map, doubt=doubt)), cfg, soft=False)
-    return make_cover(sum_votes(votes), cfg).filled
+    surer = with_doubt(recording, replace(recording.map.doubt, oyster=SURE))
+    return make_cover(sum_votes(collect_votes(surer, cfg, soft=False)), cfg).filled

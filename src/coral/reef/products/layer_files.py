@@ -6,7 +6,7 @@ import csv
 import io
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -33,7 +33,7 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
     """
     with scratch_for(path) as file:
         for k, layer in enumerate(layers):
-            options = {"IDENTIFIER": layer.title or layer.name}
+            options = {"IDENTIFIER": layer.title}
             _write_layer(path, file, layer, placement, driver="GPKG", append=k > 0, layer_options=options)
 
 
@@ -103,16 +103,11 @@ class Layer:
     """Features of one kind, all with the same attributes."""
 
     name: str
+    title: str
     kind: GeometryKind
     features: tuple[Feature, ...]
-    title: str = ""
-    columns: tuple[str, ...] = field(default=())
-    """Names of the attributes, for a layer that may have no features."""
-
-    @property
-    def attributes(self) -> tuple[str, ...]:
-        """Names of the attributes."""
-        return tuple(self.features[0].values) if self.features else self.columns
+    attributes: tuple[str, ...]
+    """Their names."""
 
 
 def closed_ring(ring: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -109,27 +109,24 @@ class PlacedRaster:
     pixel_m: float
 
 
-def place_raster(
-    values: NDArray[Any], cell_m: float, placement: EarthPlacement, nothing: Any, pixel_m: float | None = None
-) -> PlacedRaster:
+def place_raster(values: NDArray[Any], cell_m: float, placement: EarthPlacement, nothing: Any) -> PlacedRaster:
     """Place a grid of the map, Shape=(NY, NX) or (NY, NX, C), in output coordinates; `nothing` stands outside the map.
 
-    Each pixel takes the value of the cell at its centre; it is as large as a cell by default (m).
+    Each pixel takes the value of the cell at its centre, and is as large as a cell (m).
     """
     ny, nx = values.shape[:2]
-    pixel = pixel_m or cell_m
-    if placement.datum is None and pixel == cell_m:
+    if placement.datum is None:
         return PlacedRaster(np.ascontiguousarray(values[::-1]), 0.0, ny * cell_m, cell_m)
     edge_x, edge_y = nx * cell_m, ny * cell_m
     corners = placement.to_output([0.0, edge_x, edge_x, 0.0], [0.0, 0.0, edge_y, edge_y])
-    west, east = (math.floor(corners[0].min() / pixel) * pixel, corners[0].max())
-    north, south = (math.ceil(corners[1].max() / pixel) * pixel, corners[1].min())
-    width, height = math.ceil((east - west) / pixel), math.ceil((north - south) / pixel)
+    west, east = (math.floor(corners[0].min() / cell_m) * cell_m, corners[0].max())
+    north, south = (math.ceil(corners[1].max() / cell_m) * cell_m, corners[1].min())
+    width, height = math.ceil((east - west) / cell_m), math.ceil((north - south) / cell_m)
     out = np.full((height, width, *values.shape[2:]), nothing, values.dtype)
-    across = west + (np.arange(width) + 0.5) * pixel
+    across = west + (np.arange(width) + 0.5) * cell_m
     for row in range(height):
-        x, y = placement.from_output(across, np.full(width, north - (row + 0.5) * pixel))
+        x, y = placement.from_output(across, np.full(width, north - (row + 0.5) * cell_m))
         ix, iy = np.floor(x / cell_m).astype(np.int64), np.floor(y / cell_m).astype(np.int64)
         inside = (ix >= 0) & (iy >= 0) & (ix < nx) & (iy < ny)
         out[row, inside] = values[iy[inside], ix[inside]]
-    return PlacedRaster(out, west, north, pixel)
+    return PlacedRaster(out, west, north, cell_m)

@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.products.cover import NORMAL_95, SurveyEstimate
+
 LEAST_SINGLES = 10
 """Shells that lie apart, fewer than which tell no size."""
 _LEAST_CELLS = 6
@@ -28,20 +30,6 @@ _PEAK = 0.35
 _BULGES, _BULGES_ERROR = 1.19, 0.16
 """Bulges of a mask for an oyster that people outline, and the standard deviation of its logarithm from video to video:
 3520 oysters outlined by hand in 116 frames of 12 videos. Patches alone are 0.41 for an oyster."""
-NORMAL_95 = 1.96
-
-
-@dataclass(frozen=True)
-class SurveyEstimate:
-    """A number with the interval that should contain the truth in 95 of 100 cases."""
-
-    value: float
-    low: float
-    high: float
-
-    def times(self, factor: float) -> SurveyEstimate:
-        """Return it in another unit."""
-        return SurveyEstimate(factor * self.value, factor * self.low, factor * self.high)
 
 
 @dataclass(frozen=True)
@@ -101,8 +89,8 @@ def count_shells(
     return ShellCount(
         singles,
         outlines,
-        _around(length, float(singles.length.std(ddof=1)) / math.sqrt(count) + 0.25 * cell_m),
-        _around(number, error),
+        SurveyEstimate.around(length, float(singles.length.std(ddof=1)) / math.sqrt(count) + 0.25 * cell_m),
+        SurveyEstimate.around(number, error),
     )
 
 
@@ -164,7 +152,3 @@ def _ellipse(patch: NDArray[np.bool_], x: int, y: int, cell_m: float) -> tuple[f
     overlap = float((inside & part).sum() / (inside | part).sum())
     middle = (x + ix.mean() - 3 + 0.5) * cell_m, (y + iy.mean() - 3 + 0.5) * cell_m
     return (overlap, *middle, 2.0 * axes[1] * cell_m, 2.0 * axes[0] * cell_m, len(ix) * cell_m**2)
-
-
-def _around(value: float, error: float) -> SurveyEstimate:
-    return SurveyEstimate(value, max(value - NORMAL_95 * error, 0.0), value + NORMAL_95 * error)

@@ -13,7 +13,7 @@ from coral.reef.map.chain import ChainCfg
 from coral.reef.map.mapping import OccupancyMap, distance_to
 from coral.reef.products.best_pictures import ClusterPicture, best_pictures
 from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
-from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
+from coral.reef.products.cover import CoverCfg, SurveyEstimate, area_within, fine_of, larger_cells, measure_cover
 from coral.reef.products.judgement import Judgement, judge
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
 from coral.reef.products.picture_labels import LabelsCfg
@@ -42,7 +42,7 @@ class SurveyProducts:
     """Located."""
     keyframes: int
     cells: OccupancyMap
-    area: Area
+    area: SurveyEstimate
     """Of all oysters (m²), those outside clusters included."""
     shells: ShellCount
     """How many oysters those are, and how long."""
@@ -101,7 +101,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         recording=recording,
         keyframes=len(track),
         cells=cells,
-        area=wide if judgement.judged else replace(wide, low_m2=0.0),
+        area=wide if judgement.judged else replace(wide, low=0.0),
         judgement=judgement,
         shells=shells if judgement.judged else ShellCount(shells.singles),
         calibrated_reefs=0 if cover.calibration is None or not judgement.judged else cover.calibration.reefs,
@@ -132,8 +132,7 @@ def mean_in_cells(
     least: float,
 ) -> NDArray[np.float32]:
     """Return the mean of known fine cells in each larger cell, nan where too few are known. Shape=(NY, NX)."""
-    iy = np.minimum(((np.arange(share.shape[0]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[0] - 1)
-    ix = np.minimum(((np.arange(share.shape[1]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[1] - 1)
+    iy, ix = larger_cells(share.shape, fine_m, shape, cell_m)
     index = (iy[:, None] * shape[1] + ix[None, :])[known]
     size = shape[0] * shape[1]
     count = np.bincount(index, minlength=size).astype(np.float64)
