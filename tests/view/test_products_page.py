@@ -11,7 +11,6 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
 from survey_runs import write_run
 
-from coral.reef.products.cover import CoverCfg
 from coral.reef.products.judgement import Judgement
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.products.survey_products import ProductsCfg, measure
@@ -36,7 +35,7 @@ def products(survey_run):
 
 def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(products, tmp_path):
     placement = EarthPlacement(products.recording.start, Datum(36.95, -122.02))
-    page = write_products_page(products, placement, tmp_path, ["clusters.csv"], CoverCfg()).read_text()
+    page = write_products_page(products, placement, tmp_path, ["clusters.csv"]).read_text()
     assert f"{products.area.value:.2f} m²" in page
     assert f"{products.area.low:.2f} to {products.area.high:.2f} m²" in page
     assert "shells that overlap count once" in page
@@ -56,7 +55,7 @@ def test_the_truth_of_what_was_seen_has_a_section_of_its_own(products, survey_ru
     assert TruthComparison.of(nothing, reef).error is None
     truth = replace(seen, error=0.05)
     placement = EarthPlacement(products.recording.start)
-    page = write_products_page(products, placement, tmp_path, [], CoverCfg(), truth).read_text()
+    page = write_products_page(products, placement, tmp_path, [], truth).read_text()
     assert "The survey is +5.0 % off what it saw" in page
     assert f"{seen.whole_m2:.2f} m² of the whole reef" in page
     assert "no datum was given" in page
@@ -65,18 +64,18 @@ def test_the_truth_of_what_was_seen_has_a_section_of_its_own(products, survey_ru
 def test_the_page_says_that_a_network_found_the_oysters(products, tmp_path):
     recording = replace(products.recording, seen_by="painted")
     seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True))
-    page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
+    page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, []).read_text()
     assert "Oysters were recognized by a network (painted)" in page
     assert "is <b>not</b> in the interval" in page
     calibrated = replace(seen, calibrated_reefs=15)
-    page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
+    page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, []).read_text()
     assert "shells covered where it cast such votes on 15 generated reefs" in page
     assert "is <b>not</b> in the interval" not in page
 
 
 def test_the_page_of_what_was_not_judged_has_no_cover(products, tmp_path):
     unlike = replace(products, judgement=Judgement(10, 9))
-    page = write_products_page(unlike, EarthPlacement(products.recording.start), tmp_path, [], CoverCfg()).read_text()
+    page = write_products_page(unlike, EarthPlacement(products.recording.start), tmp_path, []).read_text()
     assert "<dt>cover where seen</dt><dd>not judged" in page
 
 

@@ -76,7 +76,7 @@ def make_products(
     labels = write_labels(products.recording, products.keyframes, cfg.labels, out / ProductFiles.LABELS)
     files = sorted([*files, *(f"{ProductFiles.LABELS}{name}" for name in labels)])
     truth = None if true is None else TruthComparison.of(products, true)
-    page = write_products_page(products, placement, out, files, cfg.cover, truth, lens)
+    page = write_products_page(products, placement, out, files, truth, lens)
     compared = {} if truth is None else _compared(truth)
     return {**summary(products, placement, lens), **compared, "products": str(out), "page": str(page), "files": files}
 

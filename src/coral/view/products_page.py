@@ -11,12 +11,11 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from coral.drawing import png, png_url
-from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.survey_products import SurveyProducts
-from coral.reef.products.truth import true_oysters
+from coral.reef.products.truth import TrueOysters, true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.reef.world.world_model import ReefWorld
 from coral.view.page import render_page, write_page
@@ -43,33 +42,26 @@ DISTANCE_STOPS: tuple[Stop, ...] = (
 
 
 @dataclass(frozen=True)
-class TruthComparison:
+class TruthComparison(TrueOysters):
     """What a simulated reef adds: the true area on the floor that was seen, and how far the survey is from it."""
 
-    m2: float
-    whole_m2: float
-    """True area on the whole reef."""
     error: float | None
     """Estimate over truth, minus 1; None where no oyster was in sight, or nothing was judged."""
     inside: bool
     """Whether the truth lies in the interval."""
-    oysters: int
     oysters_error: float | None
     """Estimate over truth, minus 1; None where nothing was estimated."""
-    length_m: float
 
     @classmethod
     def of(cls, products: SurveyProducts, world: ReefWorld) -> TruthComparison:
         """Compare with a reef."""
-        area, count, true = products.area, products.shells.oysters, true_oysters(world, products.seen, products.fine_m)
+        area, count = products.area, products.shells.oysters
+        true = true_oysters(world, products.seen, products.cfg.cover.fine_m)
         return cls(
-            m2=true.m2,
-            whole_m2=true.whole_m2,
+            **vars(true),
             error=area.value / true.m2 - 1.0 if true.m2 and products.judgement.judged else None,
             inside=area.low <= true.m2 <= area.high,
-            oysters=true.oysters,
             oysters_error=count.value / true.oysters - 1.0 if count is not None and true.oysters else None,
-            length_m=true.length_m,
         )
 
 
@@ -78,7 +70,6 @@ def write_products_page(
     placement: EarthPlacement,
     folder: Path,
     files: Sequence[str],
-    cover: CoverCfg,
     truth: TruthComparison | None = None,
     lens: str = "",
 ) -> Path:
@@ -121,11 +112,11 @@ def write_products_page(
         overlay=Markup(_overlay(products)),
         density=_data(ramp(products.density, COVER_STOPS)[::-1], 12),
         nearest=_data(ramp(products.cells.nearest, DISTANCE_STOPS)[::-1], 2),
-        density_cell=f"{products.density_cell_m:g}",
+        density_cell=f"{products.cfg.density_cell_m:g}",
         cover_ramp=Markup(_gradient(COVER_STOPS)),
         distance_ramp=Markup(_gradient(DISTANCE_STOPS)),
-        range=f"{cover.range_m:g}",
-        fine=cover.fine_m,
+        range=f"{products.cfg.cover.range_m:g}",
+        fine=products.cfg.cover.fine_m,
         datum=datum is not None,
         looks=sorted(looks.items()),
         files=files,

@@ -31,7 +31,7 @@ CALIBRATION = CoverCalibration(tuple(k / BINS for k in range(BINS)), 0.03, 0.1, 
 
 
 def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
-    truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, products.fine_m).whole_m2
+    truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, products.cfg.cover.fine_m).whole_m2
     assert products.area.value == pytest.approx(truth, rel=0.1)
     assert products.area.low < truth < products.area.high
     # Whole cells that a shell touches are far more.

@@ -11,7 +11,7 @@ from coral.reef.products.survey_products import ProductsCfg, mean_in_cells, meas
 
 def test_area_density_and_clusters_agree(products):
     known = np.isfinite(products.density)
-    spread = np.nansum(products.density) * products.density_cell_m**2
+    spread = np.nansum(products.density) * products.cfg.density_cell_m**2
     assert spread == pytest.approx(products.area.value, rel=0.05)
     assert known.any()
     assert not known.all()

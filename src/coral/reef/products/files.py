@@ -158,7 +158,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
             ("share of the cell that oysters cover",),
         ),
         (
-            ProductFiles.DENSITY, products.density[:, :, None], products.density_cell_m,
+            ProductFiles.DENSITY, products.density[:, :, None], products.cfg.density_cell_m,
             ("oysters per sea floor seen (m2/m2)",),
         ),
         (
@@ -177,7 +177,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
 
 
 def _density(products: SurveyProducts) -> list[Feature]:
-    edge = products.density_cell_m
+    edge = products.cfg.density_cell_m
     features = []
     for iy, ix in zip(*np.nonzero(np.nan_to_num(products.density) > 0.0), strict=True):
         x, y = ix * edge, iy * edge

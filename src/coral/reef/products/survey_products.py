@@ -40,6 +40,7 @@ class SurveyProducts:
 
     recording: Recording
     """Located."""
+    cfg: ProductsCfg
     keyframes: int
     cells: OccupancyMap
     area: SurveyEstimate
@@ -54,11 +55,8 @@ class SurveyProducts:
     """Share of oysters in each map cell, nan where not seen near enough. Shape=(NY, NX)."""
     density: NDArray[np.float32]
     """Oysters per sea floor seen, in coarse cells (m²/m²); nan where less than a fifth was seen. Shape=(DY, DX)."""
-    density_cell_m: float
     seen: NDArray[np.bool_]
     """Sea floor seen near enough to count, in fine cells. Shape=(FY, FX)."""
-    fine_m: float
-    """Edge of a fine cell (m)."""
     looks: NDArray[np.uint16]
     """Number of pictures that show each map cell. Shape=(NY, NX)."""
     mosaic: Mosaic
@@ -69,7 +67,7 @@ class SurveyProducts:
     @property
     def seen_m2(self) -> float:
         """Return the area of sea floor seen near enough to count (m²)."""
-        return float(np.count_nonzero(self.seen)) * self.fine_m**2
+        return float(np.count_nonzero(self.seen)) * self.cfg.cover.fine_m**2
 
 
 def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
@@ -99,6 +97,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
     shells = count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error)
     return SurveyProducts(
         recording=recording,
+        cfg=cfg,
         keyframes=len(track),
         cells=cells,
         area=wide if judgement.judged else replace(wide, low=0.0),
@@ -113,9 +112,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         density=mean_in_cells(
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, grid_shape(recording, cfg.density_cell_m), 0.2
         ),
-        density_cell_m=cfg.density_cell_m,
         seen=cover.known,
-        fine_m=cfg.cover.fine_m,
         looks=looks,
         mosaic=make_mosaic(recording, cfg.mosaic),
         pictures=tuple(best_pictures(recording, group)),
