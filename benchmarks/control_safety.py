@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
-from coral.reef.map.costfield import CostField
+from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.water import Water
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 SIZE_M, CELL_M, HULL_M = 20.0, 0.05, 0.3
@@ -158,7 +159,8 @@ def mission(
         if straight and cost_field is None:
             cost_field = CostField.straight(known.shape, goal, cell_m=CELL_M)
         elif cost_field is None or (fresh and tick % 3 == 0 and not straight):
-            cost_field = CostField.compute(distance, goal, start=(s.x, s.y), cell_m=CELL_M)
+            water = Water.over(distance, CELL_M, CostFieldCfg())
+            cost_field = CostField.over(water.slowness, goal, start=(s.x, s.y), cell_m=water.cell_m)
         t0 = time.perf_counter()
         plan = driver.plan(s, cost_field, distance, cell_m=CELL_M)
         out.ms.append(1e3 * (time.perf_counter() - t0))

@@ -6,6 +6,7 @@ import math
 import cv2
 import numpy as np
 import pytest
+from given_fields import field_to
 
 from coral.errors import InputError
 from coral.reef.drive.controller import (
@@ -153,7 +154,7 @@ def numpy_rollout(start, controls, table, distance, response, hull=0.3, margin=0
 def test_rollouts_match_the_numpy_twin(response):
     rng = np.random.default_rng(5)
     distance = discs((6.0, 7.5, 0.5), (7.5, 6.0, 0.4), (5.0, 4.5, 0.3))
-    field = CostField.compute(distance, (10.0, 10.0))
+    field = field_to((10.0, 10.0), distance)
     start = (6.0, 6.0, 0.7, 0.4, 0.05, -0.2, *(response.trail * np.array([0.3, 0.2])))
     controls = np.stack([rng.uniform(0, 0.6, (60, 10)), rng.uniform(-0.6, 0.6, (60, 10))], axis=2)
     path, _, ok = run(start, controls, scene_of(distance, field), response=response)
@@ -231,7 +232,7 @@ def test_cost_terms_of_a_straight_drive_match_hand_values():
 
 def test_guided_rollouts_steer_themselves_around():
     distance = discs((6.0, 6.0, 0.8))
-    field = CostField.compute(distance, (9.0, 6.0))
+    field = field_to((9.0, 6.0), distance)
     controls = np.zeros((1, 10, 2))
     path, _, ok = run((4.0, 6.0, 0.0, 0.3, 0, 0), controls, scene_of(distance, field), guide=np.array([0.6]))
     assert ok[0]
@@ -240,7 +241,7 @@ def test_guided_rollouts_steer_themselves_around():
 
 
 def go(controller, distance, start, goal, seconds, cfg=None):
-    field = CostField.compute(distance, goal, start=start[:2])
+    field = field_to(goal, distance, start=start[:2])
     vehicle, trace, plans = VehicleDynamics(cfg, VehicleState(*start)), [], []
     for _ in range(round(seconds / 0.1)):
         plans.append(controller.plan(vehicle.state, field, distance))
@@ -258,7 +259,7 @@ def test_drives_around_an_obstacle_without_touching_it_and_holds_at_the_goal():
     assert len(plans) < 160
     assert np.hypot(trace[:, 0] - 6.0, trace[:, 1] - 6.0).min() > 1.1
     assert all(p.ok for p in plans)
-    field = CostField.compute(distance, (9.0, 6.0))
+    field = field_to((9.0, 6.0), distance)
     for _ in range(30):
         vehicle.step(controller.plan(vehicle.state, field, distance).command)
     assert math.dist(vehicle.state[:2], (9.0, 6.0)) < 0.4
@@ -268,7 +269,7 @@ def test_drives_around_an_obstacle_without_touching_it_and_holds_at_the_goal():
 @pytest.mark.parametrize("period_s", [0.1, 0.25])
 def test_the_warm_start_is_one_control_period_later(period_s):
     controller = DdpMppi(rng=np.random.default_rng(1), control_period_s=period_s)
-    plan = controller.plan(VehicleState(3.0, 6.0, 0.0, 0.3), CostField.compute(OPEN, (9.0, 6.0)), OPEN)
+    plan = controller.plan(VehicleState(3.0, 6.0, 0.0, 0.3), field_to((9.0, 6.0), OPEN), OPEN)
     expected = shift_matrix(controller.schedule.dt, period_s) @ plan.controls
     np.testing.assert_allclose(controller.warm_start(), expected)
     # Half an interval of 0.5 s later the first command is the mean of the first two of the old ones, and so on.
@@ -301,7 +302,7 @@ def test_same_seed_same_plan_bit_for_bit():
 
 def test_plan_describes_itself():
     controller = DdpMppi(MppiCfg(keep_rollouts=True), rng=np.random.default_rng(1))
-    plan = controller.plan(VehicleState(3.0, 6.0, 0.0), CostField.compute(OPEN, (9.0, 6.0)), OPEN)
+    plan = controller.plan(VehicleState(3.0, 6.0, 0.0), field_to((9.0, 6.0), OPEN), OPEN)
     assert plan.path.shape == (11, 3)
     assert plan.times[-1] == pytest.approx(5.0)
     assert plan.command == tuple(plan.controls[0])
@@ -323,7 +324,7 @@ def test_a_failed_field_is_reported_and_stops():
     obstacle = np.zeros((240, 240), np.uint8)
     obstacle[:, 120:122] = 1
     distance = cv2.distanceTransform(1 - obstacle, cv2.DIST_L2, 5) * np.float32(CELL)
-    field = CostField.compute(distance, (9.0, 6.0), start=(3.0, 6.0))
+    field = field_to((9.0, 6.0), distance, start=(3.0, 6.0))
     plan = DdpMppi().plan(VehicleState(3.0, 6.0, 0.0, 0.5), field, distance)
     assert (plan.ok, plan.failure, plan.command) == (False, UNREACHABLE, (0.0, 0.0))
 
@@ -331,7 +332,7 @@ def test_a_failed_field_is_reported_and_stops():
 def test_no_feasible_rollout_is_reported_and_brakes():
     """0.6 m/s at 3 cm from the margin cannot be stopped in time."""
     distance = discs((6.55, 6.0, 0.1))
-    field = CostField.compute(distance, (9.0, 6.0))
+    field = field_to((9.0, 6.0), distance)
     plan = DdpMppi().plan(VehicleState(6.0, 6.0, 0.0, 0.6, 0.0, 0.0), field, distance)
     assert (plan.ok, plan.failure) == (False, NO_FEASIBLE)
     assert plan.command[0] <= 0.0
@@ -396,7 +397,7 @@ def test_samples_match_plain_numpy():
 @pytest.mark.parametrize("share", [0.0, 0.1])
 def test_few_or_no_guided_samples(share):
     planner = DdpMppi(MppiCfg(n_rollouts=20, guided_fraction=share, warm_fraction=0.0), rng=np.random.default_rng(0))
-    field = CostField.compute(OPEN, (9.0, 6.0))
+    field = field_to((9.0, 6.0), OPEN)
     assert planner.plan(VehicleState(6.0, 6.0, 0.0), field, OPEN).ok
     controls = planner._sample(np.zeros(6))
     assert np.all(np.abs(controls) <= 0.6)
@@ -411,7 +412,7 @@ def test_rollouts_that_do_not_suffice_for_their_shares_are_refused():
 
 @pytest.mark.parametrize("bad", [{"r": math.nan}, {"u": math.inf}, {"x": math.nan}])
 def test_one_state_that_is_not_finite_fails_and_spoils_no_later_plan(bad):
-    controller, field = DdpMppi(rng=np.random.default_rng(1)), CostField.compute(OPEN, (9.0, 6.0))
+    controller, field = DdpMppi(rng=np.random.default_rng(1)), field_to((9.0, 6.0), OPEN)
     controller.plan(VehicleState(3.0, 6.0, 0.0), field, OPEN)
     failed = controller.plan(VehicleState(3.0, 6.0, 0.0)._replace(**bad), field, OPEN)
     assert (failed.ok, failed.command, failed.failure) == (False, (0.0, 0.0), NOT_FINITE)

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+from given_fields import field_to
 
 from coral.reef.drive.controller import DdpMppi
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
@@ -26,7 +27,7 @@ def posts():
 def least_clearance(planned_with):
     """Drive a slow vehicle between the posts with a controller; return the least clearance of its hull (m)."""
     distance = posts()
-    field = CostField.compute(distance, (7.0, 3.0))
+    field = field_to((7.0, 3.0), distance)
     driver = DelayAwareDriver(DdpMppi(rng=np.random.default_rng(0), response=planned_with), planned_with, 0.6)
     state, trailing, least = VehicleState(1.5, 3.0, 0.0), Trailing(), np.inf
     sent = [(0.0, 0.0)] * 4

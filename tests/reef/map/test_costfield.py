@@ -4,6 +4,7 @@ import math
 import cv2
 import numpy as np
 import pytest
+from given_fields import field_to
 
 from coral.reef.map.costfield import NO_FREE_CELL, UNREACHABLE, CostField, CostFieldCfg, slowness_over
 from coral.reef.map.costfield_kernels import lookup, march
@@ -65,15 +66,15 @@ def test_marching_with_buckets_matches_an_exact_queue():
 
 
 def test_open_water_is_the_straight_distance():
-    field = CostField.compute(np.full((200, 200), np.inf, np.float32), (5.03, 4.97), start=(1.0, 1.0))
+    field = field_to((5.03, 4.97), np.full((200, 200), np.inf, np.float32), start=(1.0, 1.0))
     assert field.ok
     for x, y in ((2.0, 2.0), (5.0, 8.5), (8.7, 5.2)):
         assert field.lookup(x, y) == pytest.approx(math.hypot(x - 5.03, y - 4.97), rel=0.05)
 
 
 def test_a_wall_is_gone_around():
-    straight = CostField.compute(walled(gap=(0.0, 10.0)), (8.0, 2.0))
-    around = CostField.compute(walled(gap=(7.0, 9.0)), (8.0, 2.0), start=(2.0, 2.0))
+    straight = field_to((8.0, 2.0), walled(gap=(0.0, 10.0)))
+    around = field_to((8.0, 2.0), walled(gap=(7.0, 9.0)), start=(2.0, 2.0))
     assert straight.lookup(2.0, 2.0) == pytest.approx(6.0, rel=0.03)
     # by hand: (2,2) to (5,8-0.65) and on to (8,2) is 12.2 m at least, the gap's middle 13.4 m
     assert 12.0 < around.lookup(2.0, 2.0) < 14.5
@@ -92,24 +93,24 @@ def test_the_soft_band_keeps_paths_away_from_obstacles():
     distance = distance_of(obstacle)
     clear = []
     for penalty in (0.0, 3.0):
-        field = CostField.compute(distance, (9.0, 5.0), cfg=CostFieldCfg(penalty=penalty))
+        field = field_to((9.0, 5.0), distance, cfg=CostFieldCfg(penalty=penalty))
         path = field.path_from(1.0, 5.0)
         clear.append(min(distance[int(y / CELL), int(x / CELL)] for x, y in path))
     assert clear[1] > clear[0] + 0.15
 
 
 def test_no_way_is_a_named_failure():
-    field = CostField.compute(walled(), (8.0, 2.0), start=(2.0, 2.0))
+    field = field_to((8.0, 2.0), walled(), start=(2.0, 2.0))
     assert not field.ok
     assert field.failure == UNREACHABLE
     assert not field.reaches(2.0, 2.0)
     assert field.reaches(7.0, 8.0)
-    blocked = CostField.compute(np.zeros((40, 40), np.float32), (1.0, 1.0))
+    blocked = field_to((1.0, 1.0), np.zeros((40, 40), np.float32))
     assert blocked.failure == NO_FREE_CELL
 
 
 def test_a_goal_inside_an_obstacle_moves_to_the_nearest_free_cell():
-    field = CostField.compute(walled(gap=(7.0, 9.0)), (5.05, 2.0), start=(2.0, 2.0))
+    field = field_to((5.05, 2.0), walled(gap=(7.0, 9.0)), start=(2.0, 2.0))
     assert field.ok
     assert field.goal == (5.05, 2.0)
     assert field.target != field.goal
@@ -126,7 +127,7 @@ def test_the_edge_of_the_map_is_blocked():
 
 
 def test_inside_the_blocked_band_the_way_leads_out():
-    field = CostField.compute(walled(gap=(7.0, 9.0)), (2.0, 2.0), start=(4.8, 2.0))
+    field = field_to((2.0, 2.0), walled(gap=(7.0, 9.0)), start=(4.8, 2.0))
     assert field.ok
     assert field.lookup(4.5, 3.0) < field.lookup(4.8, 3.0)
     assert np.isfinite(field.value).all()
@@ -148,7 +149,7 @@ def test_a_straight_field_ignores_the_map():
 def test_lengths_of_many_ways_are_those_of_one_at_a_time():
     obstacle = np.zeros((200, 200), np.uint8)
     obstacle[:, 90:94] = 1
-    field = CostField.compute(distance_of(obstacle), (2.0, 5.0))
+    field = field_to((2.0, 5.0), distance_of(obstacle))
     xs, ys = np.random.default_rng(5).uniform(-0.5, 10.5, (2, 200))
     single = [field.lookup(x, y) if field.reaches(x, y) else math.inf for x, y in zip(xs, ys, strict=True)]
     assert 20 < np.isinf(single).sum() < 180

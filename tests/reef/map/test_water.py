@@ -1,6 +1,7 @@
 """What can be reached in the water, against the cost-to-go, and the way through it."""
 
 import numpy as np
+from given_fields import field_to
 
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
@@ -16,7 +17,7 @@ def test_what_can_be_reached_is_what_a_cost_to_go_reaches():
         cells.obstacle[y : y + 6, x : x + 6] = True
     water = Water.over(cells.distance(), cells.cfg.cell_m, cfg)
     for x, y in rng.uniform(0.0, (14.0, 11.0), (12, 2)):
-        reach, field = water.reach(x, y), CostField.compute(cells.distance(), (x, y), cfg=cfg)
+        reach, field = water.reach(x, y), field_to((x, y), cells.distance(), cfg=cfg)
         points = rng.uniform(0.0, (14.0, 11.0), (60, 2))
         assert [reach.reaches(*p) for p in points] == [field.reaches(*p, within_m=0.7) for p in points]
 

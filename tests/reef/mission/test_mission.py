@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from given_fields import field_to
 
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply
@@ -12,7 +13,6 @@ from coral.errors import InputError
 from coral.reef.decide.answers import CentroidChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import shift_matrix
-from coral.reef.map.costfield import CostField
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -93,7 +93,7 @@ def test_the_controller_shifts_its_plan_by_the_mission_s_control_period(pond, tm
     cfg = dataclasses.replace(QUIET, control_period_s=0.2)
     driver = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=0).driver
     distance = np.full((120, 120), np.inf, dtype=np.float32)
-    plan = driver.plan(VehicleState(1.0, 1.0, 0.0, 0.3), CostField.compute(distance, (4.0, 4.0)), distance)
+    plan = driver.plan(VehicleState(1.0, 1.0, 0.0, 0.3), field_to((4.0, 4.0), distance), distance)
     np.testing.assert_allclose(driver.warm_start(), shift_matrix(driver.schedule.dt, 0.2) @ plan.controls)
 
 

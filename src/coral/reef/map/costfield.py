@@ -53,24 +53,6 @@ class CostField:
     """Reason why there is no field, or ""."""
 
     @classmethod
-    def compute(
-        cls,
-        distance: NDArray[np.float32],
-        goal: tuple[float, float],
-        *,
-        start: tuple[float, float] | None = None,
-        cell_m: float = 0.05,
-        cfg: CostFieldCfg | None = None,
-    ) -> CostField:
-        """Compute the cost-to-go over a map. Unknown water can be crossed, the map's edge cannot.
-
-        `distance`, Shape=(H, W), is that of each map cell to the nearest known obstacle (m), inf without any. With the
-        robot's `start` (m), a goal without a path from there is a `failure`.
-        """
-        cfg = cfg or CostFieldCfg()
-        return cls.over(slowness_over(distance, cell_m, cfg), goal, start=start, cell_m=cell_m * cfg.ratio, cfg=cfg)
-
-    @classmethod
     def over(
         cls,
         slowness: NDArray[np.float32],
@@ -82,7 +64,8 @@ class CostField:
     ) -> CostField:
         """Compute the cost-to-go over water whose cost per metre is known, Shape=(h, w); negative: blocked.
 
-        With the robot's `start` (m), a goal without a path from there is a `failure`.
+        Unknown water can be crossed, the map's edge cannot. With the robot's `start` (m), a goal without a path from
+        there is a `failure`.
         """
         cfg = cfg or CostFieldCfg()
         h, w = slowness.shape

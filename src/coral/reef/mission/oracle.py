@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.costfield import CostField, CostFieldCfg, slowness_over
 from coral.reef.map.mapping import distance_to
 from coral.reef.mission.tour import drive_path
 from coral.reef.pilot.stops import (
@@ -114,6 +114,8 @@ class _Planner:
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
         # Paths keep away from obstacles if there is room: a vehicle that follows one cuts corners by a few centimetres.
         self._paths = CostFieldCfg(radius_m=vehicle.hull_radius_m + 0.05, band_m=0.2, penalty=1.0)
+        self._slowness = slowness_over(self._clearance, self._cell_m, self._paths)
+        self._coarse_m = self._cell_m * self._paths.ratio
         self._fields: OrderedDict[Place, CostField] = OrderedDict()
         cells = self._clearance.size / self._paths.ratio**2
         self._most_fields = max(LEAST_FIELDS, int(FIELD_MEMORY / (5 * cells)))
@@ -269,7 +271,7 @@ class _Planner:
     def _field(self, goal: Place) -> CostField:
         """Return the path lengths to a place. The least recently used are given up, and computed again when needed."""
         if goal not in self._fields:
-            self._fields[goal] = CostField.compute(self._clearance, goal, cell_m=self._cell_m, cfg=self._paths)
+            self._fields[goal] = CostField.over(self._slowness, goal, cell_m=self._coarse_m, cfg=self._paths)
             while len(self._fields) > self._most_fields:
                 self._fields.popitem(last=False)
         self._fields.move_to_end(goal)
