@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,8 +36,7 @@ class ReefGenerate:
         cfg = self.cfg
         if self.polyline:
             cfg = replace(cfg, spine=(_points(self.polyline),))
-        with _name_flags():
-            world = generate(cfg, self.out.stem)
+        world = generate(cfg, self.out.stem)
         if self.out.exists():
             raise InputError("--out", str(self.out), "a file that exists", "a new file")
         if self.preview is not None:
@@ -55,24 +53,6 @@ class ReefGenerate:
             f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
             f"run it with: coral reef run {result['world']}"
         )
-
-
-@contextmanager
-def _name_flags() -> Iterator[None]:
-    """Say in errors of the generator which flag to change."""
-    try:
-        yield
-    except InputError as error:
-        key, _, rest = error.field.partition("[")
-        if (
-            error.where != "generator"
-            or key not in {one.name for one in fields(GeneratorCfg)}
-            or (rest and key != "spine")
-        ):
-            raise
-        flag = "--polyline" if key == "spine" else f"--{key.replace('_', '-')}"
-        point = f"point {int(rest.split('[')[1].rstrip(']')) + 1}" if "[" in rest else ""
-        raise InputError(flag, point, error.found, error.expected.replace("size_m", "--size-m")) from None
 
 
 def _points(text: str) -> tuple[tuple[float, float], ...]:

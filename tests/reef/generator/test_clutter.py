@@ -30,9 +30,9 @@ def clutter(seed=1, passage_m=1.0):
 @pytest.fixture(scope="module")
 def placed():
     made = clutter()
-    made.field(12, 5.0, "dense_obstacles")
+    made.field(12, 5.0)
     dense = len(made.placed)
-    made.along(15, 6.0, "obstacles")
+    made.along(15, 6.0)
     return made.placed[:dense], made.placed[dense:]
 
 
@@ -49,7 +49,7 @@ def test_the_dense_field_lies_ahead_of_the_start(placed):
 
 def test_obstacles_along_the_spine_keep_their_distance_from_the_start():
     made = clutter()
-    made.along(15, 6.0, "obstacles")
+    made.along(15, 6.0)
     assert min(math.dist((o.x, o.y), START[:2]) for o in made.placed) >= 6.0 - 2e-3
 
 
@@ -64,13 +64,13 @@ def test_start_edge_and_oysters_stay_free(placed):
 
 def test_what_does_not_fit_even_by_half_is_refused():
     with pytest.raises(InputError, match="passages of 3 m") as caught:
-        clutter(passage_m=3.0).field(8, 2.5, "dense_obstacles")
-    assert (caught.value.field, caught.value.found) == ("dense_obstacles", 8)
+        clutter(passage_m=3.0).field(8, 2.5)
+    assert (caught.value.where, caught.value.found) == ("--dense-obstacles", 8)
 
 
 def test_a_spine_that_stays_near_its_start_has_no_room_beyond():
     with pytest.raises(InputError, match="stays within 30 m of its start"):
-        clutter().along(5, 30.0, "obstacles")
+        clutter().along(5, 30.0)
 
 
 @pytest.mark.parametrize(("value", "kept"), [(1.23449, 1.234), (-0.0016, -0.002), (np.float64(2.0), 2.0)])

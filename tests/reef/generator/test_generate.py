@@ -148,24 +148,24 @@ def test_a_reef_grows_along_a_drawn_line():
 
 
 @pytest.mark.parametrize(
-    ("changes", "field", "words"),
+    ("changes", "flag", "words"),
     [
-        ({"topology": "Q"}, "topology", "one of L, S, K, E, O"),
-        ({"size_m": (math.nan, 20.0)}, "size_m", "8 to 100 m"),
-        ({"clusters": 3, "topology": "E"}, "clusters", "4 (one for each line"),
-        ({"clusters": 40}, "clusters", "at most 11"),
-        ({"oysters": (5, 2)}, "oysters", "range"),
-        ({"dense_obstacles": 100}, "dense_obstacles", "at most"),
-        ({"obstacles": 300}, "obstacles", "at most"),
-        ({"passage_m": 0.5}, "passage_m", "0.8 to 5 m"),
-        ({"seed": -1}, "seed", "0 or more"),
-        ({"spine": (((3.0, 3.0),),)}, "spine[0]", "at least 2 points"),
-        ({"spine": (((3.0, 3.0), (3.0, 3.0)),)}, "spine", "longer than"),
-        ({"spine": (((3.0, 3.0), (40.0, 3.0)),)}, "spine[0][1]", "inside size_m"),
+        ({"topology": "Q"}, "--topology", "one of L, S, K, E, O"),
+        ({"size_m": (math.nan, 20.0)}, "--size-m", "8 to 100 m"),
+        ({"clusters": 3, "topology": "E"}, "--clusters", "4 (one for each line"),
+        ({"clusters": 40}, "--clusters", "at most 11"),
+        ({"oysters": (5, 2)}, "--oysters", "range"),
+        ({"dense_obstacles": 100}, "--dense-obstacles", "at most"),
+        ({"obstacles": 300}, "--obstacles", "at most"),
+        ({"passage_m": 0.5}, "--passage-m", "0.8 to 5 m"),
+        ({"seed": -1}, "--seed", "0 or more"),
+        ({"spine": (((3.0, 3.0),),)}, "--polyline", "at least 2 points"),
+        ({"spine": (((3.0, 3.0), (3.0, 3.0)),)}, "--polyline", "longer than"),
+        ({"spine": (((3.0, 3.0), (40.0, 3.0)),)}, "--polyline", "inside --size-m"),
     ],
 )
-def test_impossible_demands_are_named(changes, field, words):
+def test_impossible_demands_are_named(changes, flag, words):
     with pytest.raises(InputError) as caught:
         generate(GeneratorCfg(**changes))
-    assert caught.value.field == field
+    assert caught.value.where == flag
     assert words in caught.value.expected

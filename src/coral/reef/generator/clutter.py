@@ -51,7 +51,7 @@ class Clutter:
         self._kept = 0
         """Obstacles that stay when the dense field is begun again."""
 
-    def rows(self, crossings: NDArray[np.float64], name: str) -> None:
+    def rows(self, crossings: NDArray[np.float64]) -> None:
         """Place rows of posts across the reef; the gap between two neighbours is the passage and up to 0.1 m more.
 
         `crossings`, Shape=(N, 3), are x, y (m) and direction (rad) of the spine at the middle of each row.
@@ -72,7 +72,7 @@ class Clutter:
                     self._post(px, py, radius)
                     at += 2.0 * radius + self.passage_m + self._rng.uniform(0.01, 0.1)
         if len(crossings) and len(self.placed) == before:
-            raise InputError("generator", name, len(crossings), "0 here")
+            raise InputError("--barriers", "", len(crossings), "0 here")
         self._kept = len(self.placed)
 
     def _post(self, x: float, y: float, radius: float) -> None:
@@ -84,7 +84,7 @@ class Clutter:
         self._circles.append((x, y, radius))
         self.placed.append(Obstacle(shape="cylinder", x=x, y=y, z=height, size=(radius, radius, height)))
 
-    def field(self, count: int, radius_m: float, name: str) -> None:
+    def field(self, count: int, radius_m: float) -> None:
         """Place the dense field ahead of the start, most obstacles as close to a neighbour as the passage allows.
 
         Raises:
@@ -101,9 +101,9 @@ class Clutter:
             del self.placed[self._kept :], self._circles[self._kept :]
             if self._place(count, draw, crowd=True, beyond_m=0.0):
                 break
-        self._demand_half(count, len(self.placed) - self._kept, name)
+        self._demand_half(count, len(self.placed) - self._kept, "--dense-obstacles")
 
-    def along(self, count: int, beyond_m: float, name: str) -> None:
+    def along(self, count: int, beyond_m: float) -> None:
         """Place obstacles beyond `beyond_m` from the start: four in five near the spine, the others anywhere.
 
         Raises:
@@ -119,14 +119,14 @@ class Clutter:
             return float(x), float(y)
 
         if count and not np.any(np.hypot(*(room.points - room.start[:2]).T) >= beyond_m):
-            raise InputError("generator", name, count, f"0 on a spine that stays within {beyond_m:g} m of its start")
+            raise InputError("--obstacles", "", count, f"0 on a spine that stays within {beyond_m:g} m of its start")
         before = len(self.placed)
         self._place(count, draw, crowd=False, beyond_m=beyond_m)
-        self._demand_half(count, len(self.placed) - before, name)
+        self._demand_half(count, len(self.placed) - before, "--obstacles")
 
-    def _demand_half(self, count: int, done: int, name: str) -> None:
+    def _demand_half(self, count: int, done: int, flag: str) -> None:
         if 2 * done < count:
-            raise InputError("generator", name, count, f"at most {2 * done} with passages of {self.passage_m:g} m here")
+            raise InputError(flag, "", count, f"at most {2 * done} with passages of {self.passage_m:g} m here")
 
     def _place(self, count: int, draw: Callable[[], tuple[float, float]], *, crowd: bool, beyond_m: float) -> bool:
         """Place up to `count` obstacles. Return whether all of them fit."""

@@ -60,7 +60,8 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
     """Generate a reef. The same configuration gives the same world.
 
     Raises:
-        InputError: The configuration asks for more than fits, or a value is out of range.
+        InputError: The configuration asks for more than fits, or a value is out of range. It names the flag of
+            `coral reef generate`.
     """
     _check(cfg)
     name = name or f"{'custom' if cfg.spine else cfg.topology.lower()}-{cfg.seed}"
@@ -82,9 +83,9 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
         rng,
     )
     if cfg.barriers:
-        clutter.rows(_crossings(clusters, lines, cfg.barriers, DENSE_RADIUS_M), "barriers")
-    clutter.field(cfg.dense_obstacles, DENSE_RADIUS_M, "dense_obstacles")
-    clutter.along(cfg.obstacles, DENSE_RADIUS_M, "obstacles")
+        clutter.rows(_crossings(clusters, lines, cfg.barriers, DENSE_RADIUS_M))
+    clutter.field(cfg.dense_obstacles, DENSE_RADIUS_M)
+    clutter.along(cfg.obstacles, DENSE_RADIUS_M)
     direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, CURRENT_MAX_M_S)
     world = ReefWorld(
         name=name,
@@ -114,52 +115,46 @@ class _Bed:
 
 
 def _check(cfg: GeneratorCfg) -> None:
-    def demand(field: str, good: bool, found: object, expected: str) -> None:
+    def demand(flag: str, good: bool, found: object, expected: str, point: str = "") -> None:
         if not good:
-            raise InputError("generator", field, found, expected)
+            raise InputError(flag, point, found, expected)
 
-    demand("topology", cfg.topology in EVERY_TOPOLOGY, repr(cfg.topology), f"one of {', '.join(EVERY_TOPOLOGY)}")
-    demand("size_m", all(8.0 <= s <= 100.0 for s in cfg.size_m), cfg.size_m, "edges from 8 to 100 m")
+    demand("--topology", cfg.topology in EVERY_TOPOLOGY, repr(cfg.topology), f"one of {', '.join(EVERY_TOPOLOGY)}")
+    demand("--size-m", all(8.0 <= s <= 100.0 for s in cfg.size_m), cfg.size_m, "edges from 8 to 100 m")
     least = len(cfg.spine or ((),) if cfg.topology in WILD else topology_lines(cfg.topology, cfg.size_m))
     demand(
-        "clusters",
+        "--clusters",
         cfg.clusters == 0 or least <= cfg.clusters <= _MOST,
         cfg.clusters,
         f"{least} (one for each line of the spine) to 60",
     )
-    demand("oysters", 1 <= cfg.oysters[0] <= cfg.oysters[1] <= 500, cfg.oysters, "a range within 1 to 500")
-    demand("dense_obstacles", 0 <= cfg.dense_obstacles <= 500, cfg.dense_obstacles, "0 to 500")
-    demand("obstacles", 0 <= cfg.obstacles <= 500, cfg.obstacles, "0 to 500")
-    demand("barriers", 0 <= cfg.barriers <= 50, cfg.barriers, "0 to 50")
-    demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
-    demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number of 0 or more")
+    demand("--oysters", 1 <= cfg.oysters[0] <= cfg.oysters[1] <= 500, cfg.oysters, "a range within 1 to 500")
+    demand("--dense-obstacles", 0 <= cfg.dense_obstacles <= 500, cfg.dense_obstacles, "0 to 500")
+    demand("--obstacles", 0 <= cfg.obstacles <= 500, cfg.obstacles, "0 to 500")
+    demand("--barriers", 0 <= cfg.barriers <= 50, cfg.barriers, "0 to 50")
+    demand("--passage-m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
+    demand("--seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number of 0 or more")
     wide, high = cfg.size_m
-    for i, line in enumerate(cfg.spine):
-        demand(f"spine[{i}]", len(line) >= 2, f"{len(line)} points", "at least 2 points")
-        for j, (x, y) in enumerate(line):
+    expected = f"a point at least 0.5 m inside --size-m, {wide:g} x {high:g} m"
+    for line in cfg.spine:
+        demand("--polyline", len(line) >= 2, f"{len(line)} points", "at least 2 points")
+        for number, (x, y) in enumerate(line, 1):
             inside = 0.5 <= x <= wide - 0.5 and 0.5 <= y <= high - 0.5
-            demand(
-                f"spine[{i}][{j}]",
-                inside,
-                f"({x:g}, {y:g})",
-                f"a point at least 0.5 m inside size_m, {wide:g} x {high:g} m",
-            )
+            demand("--polyline", inside, f"({x:g}, {y:g})", expected, f"point {number}")
 
 
 def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) -> list[_Bed]:
     """Spread beds evenly over the spine, except for its first few metres."""
     lead = float(np.clip(0.14 * min(cfg.size_m), 2.0, 4.0))
     if np.hypot(*np.diff(lines[0], axis=0).T).sum() <= lead:
-        raise InputError("generator", "spine", "no room for a cluster", f"a first line longer than {lead:.1f} m")
+        raise InputError("--polyline", "", "no room for a cluster", f"a first line longer than {lead:.1f} m")
     count = cfg.clusters or _count(cfg, lines, lead)
     places, away = _places(cfg, lines, count, lead)
     if away.min() < _APART_M:
         fit = next(
             (n for n in range(count - 1, len(lines) - 1, -1) if _places(cfg, lines, n, lead)[1].min() >= _APART_M), 0
         )
-        raise InputError(
-            "generator", "clusters", count, f"at most {fit} on this spine, {_APART_M:g} m between neighbours"
-        )
+        raise InputError("--clusters", "", count, f"at most {fit} on this spine, {_APART_M:g} m between neighbours")
     beds = []
     for (x, y, yaw), nearest in zip(places, away, strict=True):
         length = rng.uniform(0.75, 1.0) * min(1.35, (nearest - 1.3) / 2)
