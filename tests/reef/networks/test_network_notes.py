@@ -6,8 +6,7 @@ import pytest
 from given_networks import given
 
 from coral.errors import InputError
-from coral.reef.networks.network_notes import read_notes
-from coral.reef.networks.picture_input import IMAGENET, UNIT
+from coral.reef.networks.network_notes import BYTES, IMAGENET, UNIT, PictureInput, read_notes
 
 
 def network(folder, metadata=None, beside=None):
@@ -67,3 +66,12 @@ def test_a_broken_file_is_one_clear_line(tmp_path, name, content):
     (tmp_path / name).write_text(content)
     with pytest.raises(InputError, match="found"):
         read_notes(file)
+
+
+def test_values_by_hand():
+    rgb = np.array([[[255, 51, 0]]], np.uint8)
+    assert UNIT.tensor(rgb).ravel().tolist() == pytest.approx([1.0, 0.2, 0.0])
+    assert BYTES.tensor(rgb).ravel().tolist() == [255.0, 51.0, 0.0]
+    assert IMAGENET.tensor(rgb).ravel()[0] == pytest.approx((1.0 - 0.485) / 0.229)
+    assert PictureInput("0 to 1", bgr=True).tensor(rgb).ravel().tolist() == pytest.approx([0.0, 0.2, 1.0])
+    assert UNIT.tensor(rgb).shape == (1, 3, 1, 1)

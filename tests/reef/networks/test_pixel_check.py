@@ -1,7 +1,7 @@
 import numpy as np
 
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.networks.picture_input import UNIT
+from coral.reef.networks.network_notes import UNIT
 from coral.reef.networks.pixel_check import CAMERA, check_pixels, depth_kind, shipped_picture
 from coral.reef.world.geometry import Label
 

@@ -70,13 +70,14 @@ GROUND = cv2.resize(np.minimum(ground_depth(CameraCfg()), 20.0), (28, 28), inter
 @pytest.mark.parametrize("free", [False, True])
 @pytest.mark.parametrize("half", [False, True])
 @pytest.mark.parametrize("kind", ["relative", "metric"])
-def test_exports_of_depth_anything_show_the_same(tmp_path, names, channel, free, half, kind):
+def test_exports_of_depth_anything_show_the_same(monkeypatch, tmp_path, names, channel, free, half, kind):
     """Names, with or without an axis for the one channel, fixed or free size, single or half precision."""
     pytest.importorskip("onnxruntime")
     path = tmp_path / "d.onnx"
     values = 1.0 / GROUND if kind == "relative" else GROUND
     path.write_bytes(relative_depth(values, names, channel, free, half=half))
-    network = DepthAnything(open_picture_network(path), size=(28, 28))
+    monkeypatch.setattr("coral.reef.networks.relative_depth.SIZE", (28, 28))
+    network = DepthAnything(open_picture_network(path))
     assert network.metric == (kind == "metric")
     assert f"{kind} as the shipped picture shows" in network.about[0]
     found = network.relative(np.zeros((28, 28, 3), np.uint8), CameraCfg(width=28, height=28))

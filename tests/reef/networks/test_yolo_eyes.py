@@ -9,7 +9,6 @@ from coral.reef.networks.yolo_eyes import (
     PROTOTYPES,
     Letterbox,
     YoloEyes,
-    box_overlap,
     decode,
     draw_masks,
     is_yolo,
@@ -96,11 +95,6 @@ def test_weak_candidates_and_doubles_of_a_class_are_left_out():
     box = (10, 10, 8, 8)
     found = decode(*candidates((box, (0.9, 0), 1), (box, (0.8, 0), 1), (box, (0, 0.7), 1), (box, (0.1, 0.1), 1)))
     np.testing.assert_allclose(found.scores, [0.9, 0.7])
-
-
-def test_overlap_of_boxes_by_hand():
-    others = np.array([[0, 0, 2, 2], [1, 0, 3, 2], [5, 5, 6, 6]], np.float32)
-    np.testing.assert_allclose(box_overlap(others[0], others), [1.0, 1 / 3, 0.0])
 
 
 def test_a_mask_is_the_weighted_prototype_within_the_box():

@@ -8,16 +8,49 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from coral.config import read_config
 from coral.errors import InputError
 from coral.foreign_file import read_json
 from coral.onnx_file import OnnxFile
 from coral.reef.networks.class_table import read_names
-from coral.reef.networks.picture_input import SCALINGS, PictureInput
 
 SUFFIX = ".eyes.yaml"
 _HUGGING_FACE = "pixel_values"
 """Name of the input of networks that were exported from transformers."""
+
+
+@dataclass(frozen=True)
+class PictureInput:
+    """value = (byte * factor - mean) / spread, by channel."""
+
+    name: str
+    """Of the scaling, for people."""
+    factor: float = 1.0 / 255.0
+    mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spread: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    bgr: bool = False
+    """Blue first; mean and spread are in the order of the channels."""
+
+    def tensor(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Return a picture as a network reads it. Shape=(H, W, 3), red first, to (1, 3, H, W)."""
+        ordered = rgb[:, :, ::-1] if self.bgr else rgb
+        scaled = ordered.astype(np.float32) * np.float32(self.factor)
+        values = (scaled - np.array(self.mean, np.float32)) / np.array(self.spread, np.float32)
+        return np.ascontiguousarray(values.transpose(2, 0, 1)[None])
+
+    def describe(self) -> str:
+        """Say it in a few words."""
+        return f"{'BGR' if self.bgr else 'RGB'}, {self.name}"
+
+
+UNIT = PictureInput("0 to 1")
+BYTES = PictureInput("0 to 255", factor=1.0)
+IMAGENET = PictureInput("normalised as ImageNet", mean=(0.485, 0.456, 0.406), spread=(0.229, 0.224, 0.225))
+SCALINGS = {"unit": UNIT, "bytes": BYTES, "imagenet": IMAGENET}
+"""By the name that a user states."""
 
 
 @dataclass(frozen=True, kw_only=True)

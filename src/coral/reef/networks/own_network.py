@@ -13,8 +13,7 @@ from coral.errors import InputError
 from coral.onnx_file import OnnxFile
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.reef_net import OUTPUTS
-from coral.reef.networks.network_notes import SUFFIX, read_notes
-from coral.reef.networks.picture_input import PictureInput
+from coral.reef.networks.network_notes import SUFFIX, PictureInput, read_notes
 from coral.reef.networks.pixel_check import CAMERA, check_pixels
 from coral.reef.networks.relative_depth import is_depth
 from coral.reef.networks.semantic_map import SemanticEyes

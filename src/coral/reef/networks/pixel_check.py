@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.foreign_file import read_picture_file
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.networks.picture_input import SCALINGS, PictureInput
+from coral.reef.networks.network_notes import SCALINGS, PictureInput
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

@@ -13,14 +13,16 @@ from coral.errors import InputError
 from coral.onnx_file import OnnxFile, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
-from coral.reef.networks.network_notes import read_notes
-from coral.reef.networks.picture_input import IMAGENET
+from coral.reef.networks.network_notes import IMAGENET, read_notes
 from coral.reef.networks.pixel_check import CAMERA, depth_kind, shipped_picture
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Label
 
 _SAME_SHAPE = 0.05
 """Share by which the proportions of a map may differ from its picture's: maps have whole pixels."""
+SIZE = 252, 182
+"""Width and height of its pictures where a file leaves them open (px): multiples of 14."""
+FARTHEST_M = 100.0
 MOST_POINTS = 2000
 """Of the floor, evenly spread over its pixels: more do not change two numbers."""
 FARTHEST_FLOOR_M = 6.0
@@ -40,9 +42,9 @@ class ScaleShift:
     error: float
     """Median error of 1 / depth at the points (1/m)."""
 
-    def metres(self, relative: NDArray[np.float32], farthest_m: float = 100.0) -> NDArray[np.float32]:
-        """Return the depth (m) of relative inverse depth, at most `farthest_m`. Any shape."""
-        inverse = np.maximum(self.scale * relative + self.shift, 1.0 / farthest_m)
+    def metres(self, relative: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the depth (m) of relative inverse depth, at most `FARTHEST_M`. Any shape."""
+        inverse = np.maximum(self.scale * relative + self.shift, 1.0 / FARTHEST_M)
         return np.asarray(1.0 / inverse, np.float32)
 
 
@@ -91,18 +93,14 @@ class DepthAnything:
     transformers names them `pixel_values` and `predicted_depth`, other exports `image` and `depth`.
     """
 
-    def __init__(self, file: OnnxFile, size: tuple[int, int] = (252, 182)) -> None:
+    def __init__(self, file: OnnxFile) -> None:
         """Check the layout, and whether the network's map is relative or metric: larger is nearer, or farther.
-
-        Args:
-            file: The network.
-            size: Width and height of its pictures where the file leaves them open (px), multiples of 14.
 
         Raises:
             InputError: The file has another layout, or what is stated contradicts what it does.
         """
         shape = file.input_shape
-        self.size = shape[3] or size[0], shape[2] or size[1]
+        self.size = shape[3] or SIZE[0], shape[2] or SIZE[1]
         self.file = file = file.with_shapes_of(*self.size)
         if shape[1] not in (3, None) or not is_depth(file):
             found = ", ".join(f"{name} {of}" for name, of in (*file.inputs.items(), *file.outputs.items()))

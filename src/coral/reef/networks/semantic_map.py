@@ -13,8 +13,7 @@ from coral.reef.eyes.ground_plane import ground_depth, standing_depth
 from coral.reef.eyes.perception import UNSTATED_DOUBT, CameraAttitude, SeenPicture
 from coral.reef.eyes.reef_net import OBSTACLE_FROM
 from coral.reef.networks.class_table import ClassTable, class_table
-from coral.reef.networks.network_notes import NetworkNotes, read_notes
-from coral.reef.networks.picture_input import UNIT
+from coral.reef.networks.network_notes import UNIT, NetworkNotes, read_notes
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 

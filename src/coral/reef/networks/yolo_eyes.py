@@ -14,8 +14,7 @@ from coral.onnx_file import OnnxFile
 from coral.reef.eyes.ground_plane import ground_depth, standing_depth
 from coral.reef.eyes.perception import UNSTATED_DOUBT, CameraAttitude, SeenPicture
 from coral.reef.networks.class_table import class_table
-from coral.reef.networks.network_notes import NetworkNotes, read_notes
-from coral.reef.networks.picture_input import UNIT
+from coral.reef.networks.network_notes import UNIT, NetworkNotes, read_notes
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 
@@ -207,30 +206,13 @@ def decode(raw: NDArray[np.float32], layout: Layout, score: float = 0.25, overla
     if layout == "objectness":
         raw = raw.T
         raw = np.concatenate([raw[:4], raw[4] * raw[5:-PROTOTYPES], raw[-PROTOTYPES:]])
-    scores = raw[4:-PROTOTYPES]
-    classes = scores.argmax(axis=0)
-    best = scores.max(axis=0)
-    order = np.argsort(-best, kind="stable")
-    order = order[best[order] >= score]
-    middle, half = raw[:2, order].T, raw[2:4, order].T / 2.0
-    boxes = np.concatenate([middle - half, middle + half], axis=1)
-    kept: list[int] = []
-    for k in range(len(order)):
-        rivals = [j for j in kept if classes[order[j]] == classes[order[k]]]
-        if not rivals or box_overlap(boxes[k], boxes[rivals]).max() <= overlap:
-            kept.append(k)
-    chosen = order[kept]
-    return Detections(
-        boxes[kept].astype(np.float32), best[chosen], classes[chosen], np.ascontiguousarray(raw[-PROTOTYPES:, chosen].T)
-    )
-
-
-def box_overlap(box: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Return the intersection over union of a box with others. Shape=(4,) and (N, 4) to (N,)."""
-    low, high = np.maximum(box[:2], others[:, :2]), np.minimum(box[2:], others[:, 2:])
-    common = np.prod(np.maximum(high - low, 0.0), axis=1)
-    area = float(np.prod(box[2:] - box[:2])) + np.prod(others[:, 2:] - others[:, :2], axis=1)
-    return np.asarray(common / np.maximum(area - common, 1e-9), np.float64)
+    raw = raw[:, raw[4:-PROTOTYPES].max(axis=0) >= score]
+    classes, best = raw[4:-PROTOTYPES].argmax(axis=0), raw[4:-PROTOTYPES].max(axis=0)
+    low, size = (raw[:2] - raw[2:4] / 2.0).T, raw[2:4].T
+    boxes = np.concatenate([low, size], axis=1).tolist()
+    kept = np.array(cv2.dnn.NMSBoxesBatched(boxes, best.tolist(), classes.tolist(), 0.0, overlap), np.intp)
+    corners = np.concatenate([low, low + size], axis=1)[kept].astype(np.float32)
+    return Detections(corners, best[kept], classes[kept], np.ascontiguousarray(raw[-PROTOTYPES:, kept].T))
 
 
 def draw_masks(found: Detections, prototypes: NDArray[np.float32], net_size: tuple[int, int]) -> NDArray[np.float32]:
