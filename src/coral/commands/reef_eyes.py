@@ -82,9 +82,14 @@ class ReefEyes:
         except ImportError as error:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
         from coral.reef.eyes.reef_net import WEIGHTS
-        from coral.reef.paint.familiar import know_more, know_training
+        from coral.reef.paint.familiar import (
+            OYSTER_FROM,
+            correct_odds,
+            know_more,
+            know_training,
+            measure_left_out,
+        )
         from coral.reef.paint.labelled_pictures import read_labelled
-        from coral.reef.paint.left_out import OYSTER_FROM, correct_odds, measure_left_out
         from coral.reef.paint.teaching import gather_real, teach
 
         begin = None if self.begin is None else weights_in(WEIGHTS if str(self.begin) == "rgb" else self.begin)

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.map.sonar_3d15 import NOTHING, SEABED, SURFACE, Sonar3d15, SonarCfg, sonar_attitude
+from coral.reef.map.sonar_3d15 import NOTHING, SEABED, SURFACE, Sonar3d15, SonarCfg, echoes_in_picture, sonar_attitude
 from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import BOX, ELLIPSOID, Scene
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
@@ -148,3 +149,22 @@ def test_the_same_seed_gives_the_same_image():
     assert images[0].ranges.tobytes() == images[1].ranges.tobytes()
     assert images[0].ranges.dtype == np.float32
     assert (images[0].ranges > 0.0).all()
+
+
+def test_echoes_have_the_depth_that_the_camera_has_there():
+    post, camera = scene(Obstacle(shape="box", x=8.0, y=5.0, z=1.0, size=(0.3, 0.6, 1.0))), CameraCfg()
+    cfg = SonarCfg(enabled=True, sigma_m=0, sigma_share=0, dropout=0, multipath=0, grazing_deg=0, resolution_m=0)
+    image = Sonar3d15(post, cfg, np.random.default_rng(0)).image(Pose(5.0, 5.0, 0.1), 1.0)
+    points = echoes_in_picture(image, cfg.pitch_down_deg, camera)
+    depth = Camera(post, camera).render(Pose(5.0, 5.0, 0.1)).depth
+    at = np.round(points[:, :2]).astype(int)
+    there = depth[at[:, 1], at[:, 0]]
+    near = np.isfinite(there) & (points[:, 2] < 4.0)
+    assert near.sum() > 5000
+    # Half a pixel beside an edge, the camera sees something else.
+    assert np.mean(np.abs(there[near] / points[near, 2] - 1.0) < 0.03) > 0.95
+
+
+def test_what_is_not_heard_or_not_in_view_is_no_point():
+    image = RangeImage(np.array([[np.inf, 2.0], [np.inf, np.inf]], np.float32), 170.0, 10.0)
+    assert echoes_in_picture(image, 0.0, CameraCfg(hfov_deg=60.0)).shape == (0, 3)

@@ -60,3 +60,18 @@ def test_more_pictures_become_familiar_and_the_others_stay_so(monkeypatch):
     familiar.know_more(net, [LabelledPicture("d-1", np.zeros((48, 64, 3), np.uint8), np.zeros((48, 64), np.uint8))], 0)
     assert (unlike(new) < 0.01).all()
     assert (unlike(known) < 1).mean() > 0.9
+
+
+def test_a_network_that_calls_all_oyster_has_full_recall_and_the_precision_of_the_share():
+    from coral.reef.paint.collage import OTHER
+    from coral.reef.paint.familiar import measure_left_out
+    from coral.reef.paint.labelled_pictures import LabelledPicture
+    from coral.reef.paint.unet import ReefNet
+    from coral.reef.world.geometry import Label
+
+    net = ReefNet().eval()
+    net.lean[int(Label.OYSTER)] = 1e3
+    target = np.full((40, 60), OTHER, np.uint8)
+    target[:, :30] = int(Label.OYSTER)
+    rows = measure_left_out(net, [LabelledPicture(f"v-{k}", np.zeros((40, 60, 3), np.uint8), target) for k in (1, 2)])
+    assert rows == [{"video": "v", "iou": 0.5, "precision": 0.5, "recall": 1.0, "said": 1.0, "true": 0.5}]

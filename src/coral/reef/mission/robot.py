@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.map.echo_points import echoes_in_picture
 from coral.reef.map.localization import Localizer
+from coral.reef.map.sonar_3d15 import echoes_in_picture
 from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.pilot import Command, Pilot

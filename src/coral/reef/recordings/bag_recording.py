@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.map.echo_points import project_points
 from coral.reef.map.mapping import MapCfg
-from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.map.sonar_3d15 import SonarCfg, project_points
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
@@ -116,15 +115,17 @@ def read_bag(
         remarks = (_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where),)
     cfg = MapCfg() if contents.cell_m is None else MapCfg(cell_m=contents.cell_m)
     omitted: set[float] = set()
-    hearing = open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
+    heard_by, hear = (
+        open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else (None, None)
+    )
 
     def keyframes() -> Iterator[PosedFrame]:
         due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
         used: list[float] = []
         for t, images in _moments(bag, set(pictured), {topics.sonar}, track.odometry.span):
             if topics.sonar in images:
-                assert hearing is not None
-                ping, cloud = hearing.hear(t, images[topics.sonar])
+                assert hear is not None
+                ping, cloud = hear(t, images[topics.sonar])
                 if ping is not None:
                     pings.append(ping)
                     clouds[:] = [(t, cloud)]
@@ -164,7 +165,7 @@ def read_bag(
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
-        sonar=None if hearing is None else hearing.sonar, remarks=remarks,
+        sonar=heard_by, remarks=remarks,
     )  # fmt: skip
 
 

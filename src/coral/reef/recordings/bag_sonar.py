@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,42 +20,12 @@ from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Pose
 from coral.ros.bag_reader import Bag
 
+Hear = Callable[[float, Any], tuple[PosedPing | None, NDArray[np.float64]]]
+"""Returns a cloud, given its time (s), as a range image with its place, and its points in the camera's optical frame.
 
-@dataclass(frozen=True)
-class BagSonar:
-    """How echoes of a bag are read."""
-
-    sonar: SonarCfg
-    """Its beams and its tilt."""
-    track: BodyTrack
-    turned: NDArray[np.float64]
-    """From a body with the sonar at its origin, tilted as `sonar` says, to the bag's body. Shape=(4, 4)."""
-    mount: NDArray[np.float64]
-    """T_sonar^body. Shape=(4, 4)."""
-    camera_mount: Callable[[float], NDArray[np.float64] | None]
-    """T_camera^body at a time, optical; None where nobody knows. Shape=(4, 4)."""
-    where: str
-    """Path of the bag, for errors."""
-
-    def hear(self, t: float, message: Any) -> tuple[PosedPing | None, NDArray[np.float64]]:
-        """Return a cloud as a range image with its place, and its points in the camera's optical frame (m).
-
-        The range image is None where no pose is near in time. Shape=(N, 3).
-
-        Raises:
-            InputError: It is no cloud of points.
-        """
-        points = points_in(message, f"{self.where} at {t:.3f} s")
-        camera, at = self.camera_mount(t), self.track.at(t)
-        if at is None or camera is None:
-            return None, np.empty((0, 3))
-        to_camera = np.linalg.inv(camera) @ self.mount
-        seen = points @ to_camera[:3, :3].T + to_camera[:3, 3]
-        body = at[0] @ self.turned
-        roll, pitch, yaw = euler_of(body[:3, :3])
-        attitude = Attitude(roll=roll, pitch=pitch, depth_m=math.inf, altitude_m=float(body[2, 3]))
-        pose = Pose(float(body[0, 3]), float(body[1, 3]), yaw)
-        return PosedPing(t=t, pose=pose, attitude=attitude, image=range_image_of(points, self.sonar)), seen
+The range image is None where no pose is near in time. Points have Shape=(N, 3), metres. It raises an InputError if the
+message is no cloud.
+"""
 
 
 def open_sonar(
@@ -63,9 +33,11 @@ def open_sonar(
     topic: str,
     track: BodyTrack,
     camera_mount: Callable[[float], NDArray[np.float64] | None],
-    sonar: SonarCfg | None = None,
-) -> BagSonar:
-    """Prepare for the echoes on a topic that has some; `camera_mount` is T_camera^body at a time, optical.
+    sonar: SonarCfg | None,
+) -> tuple[SonarCfg, Hear]:
+    """Prepare for the echoes on a topic that has some: the sonar's beams and tilt, and how to hear a cloud.
+
+    `camera_mount` is T_camera^body at a time, optical; None where nobody knows. Shape=(4, 4).
 
     Raises:
         InputError: Nobody knows where on the vehicle the sonar is.
@@ -78,4 +50,19 @@ def open_sonar(
     cfg = replace(sonar or SonarCfg(), enabled=True, pitch_down_deg=round(math.degrees(down), 9))
     tilt = np.eye(4)
     tilt[:3, :3] = sonar_attitude(0.0, 0.0, 0.0, cfg.pitch_down_deg)
-    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), mount, camera_mount, bag.where)
+    turned = mount @ np.linalg.inv(tilt)  # from a body with the sonar at its origin, tilted so, to the bag's body
+
+    def hear(t: float, message: Any) -> tuple[PosedPing | None, NDArray[np.float64]]:
+        points = points_in(message, f"{bag.where} at {t:.3f} s")
+        camera, at = camera_mount(t), track.at(t)
+        if at is None or camera is None:
+            return None, np.empty((0, 3))
+        to_camera = np.linalg.inv(camera) @ mount
+        seen = points @ to_camera[:3, :3].T + to_camera[:3, 3]
+        body = at[0] @ turned
+        roll, pitch, yaw = euler_of(body[:3, :3])
+        attitude = Attitude(roll=roll, pitch=pitch, depth_m=math.inf, altitude_m=float(body[2, 3]))
+        pose = Pose(float(body[0, 3]), float(body[1, 3]), yaw)
+        return PosedPing(t=t, pose=pose, attitude=attitude, image=range_image_of(points, cfg)), seen
+
+    return cfg, hear
