@@ -68,7 +68,7 @@ def innovation(before, landmark, sighting):
 @pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF, DOUBTED])
 def test_comparison_equals_its_twin(sighting):
     before = surveyed()
-    found = before.compare(sighting, ODOMETRY, 10.0)
+    away_m, squared_m, log_density = before.compare(sighting, ODOMETRY, 10.0)
     for k in range(3):
         residual, _, covariance, radius = innovation(before, k, sighting)
         squared = residual @ np.linalg.solve(covariance, residual)
@@ -78,14 +78,14 @@ def test_comparison_equals_its_twin(sighting):
             unlike = (radius - before._radii[k]) / spread
             squared += unlike**2
             density -= 0.5 * unlike**2 + math.log(spread * math.sqrt(2.0 * math.pi))
-        assert found.away_m[k] == pytest.approx(np.hypot(*residual))
-        assert found.squared[k] == pytest.approx(squared)
-        assert found.log_density[k] == pytest.approx(density)
+        assert away_m[k] == pytest.approx(np.hypot(*residual))
+        assert squared_m[k] == pytest.approx(squared)
+        assert log_density[k] == pytest.approx(density)
 
 
 def test_landmarks_far_away_are_not_compared():
-    found = surveyed().compare(whole(0.2), ODOMETRY, 0.7)
-    assert np.isinf(found.squared).tolist() == np.isneginf(found.log_density).tolist() == [True, False, True]
+    _, squared, log_density = surveyed().compare(whole(0.2), ODOMETRY, 0.7)
+    assert np.isinf(squared).tolist() == np.isneginf(log_density).tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize("sighting", [whole(0.2), RIGHT_HALF, LEFT_HALF, DOUBTED])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,19 +26,6 @@ SIGMAS = (
     RANGE_SIGMA_RADIUS, ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS, PARTIAL_SIGMA_M, RADIUS_SIGMA_M, RADIUS_SIGMA_RADIUS,
 )  # fmt: skip
 """As the kernels take them."""
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A sighting compared with all landmarks of a map. Shape=(N,) each."""
-
-    away_m: NDArray[np.float64]
-    """Distance from the landmark (m)."""
-    squared: NDArray[np.float64]
-    """Squared Mahalanobis distance of position and, if the body is seen whole, radius."""
-    log_density: NDArray[np.float64]
-    """Logarithm of the probability density of the sighting if it shows this landmark: in 1/m³ for a whole body, whose
-    radius counts, in 1/m² otherwise."""
 
 
 class LandmarkMap:
@@ -141,10 +127,13 @@ class LandmarkMap:
         self._covariance[:, :3] = self._covariance[:, :3] @ grow.T
         self._covariance[:3, :3] += noise
 
-    def compare(self, sighting: Sighting, odometry: Pose, candidate_m: float) -> Comparison:
-        """Compare a sighting with the landmarks within `candidate_m` (m) of it."""
+    def compare(
+        self, sighting: Sighting, odometry: Pose, candidate_m: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Compare a sighting with the landmarks within `candidate_m` (m) of it, as the kernel `compare` does."""
         args = (self._state, self._covariance, self._radii)
-        return Comparison(*compare(*args, _floats(odometry), _outline(sighting), SIGMAS, candidate_m))
+        away_m, squared, log_density = compare(*args, _floats(odometry), _outline(sighting), SIGMAS, candidate_m)
+        return away_m, squared, log_density
 
     def corrected(self, landmark: int, sighting: Sighting, odometry: Pose, now_s: float) -> LandmarkMap:
         """Return the map after a sighting of a landmark."""

@@ -257,16 +257,16 @@ class Localizer:
     def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
         """Return what a sighting may show, as the score that results and a landmark's number, NEW or UNUSED."""
         cfg, landmarks = self.cfg, hypothesis.map
-        found = landmarks.compare(sighting, odometry, CANDIDATE_M)
+        away_m, squared, log_density = landmarks.compare(sighting, odometry, CANDIDATE_M)
         # A landmark appears once in a picture.
-        free = np.flatnonzero((found.squared < cfg.gate) & (landmarks.last_s < self._now_s))
+        free = np.flatnonzero((squared < cfg.gate) & (landmarks.last_s < self._now_s))
         # The density of a whole body is per metre of radius too: relative to that of unknown obstacles.
         by_radius = math.log(RADIUS_SPAN_M) if sighting.whole else 0.0
-        choices = [(hypothesis.score + float(found.log_density[j]) + by_radius, int(j)) for j in free]
-        recent = found.away_m[self._now_s - landmarks.last_s < FRESH_S]
+        choices = [(hypothesis.score + float(log_density[j]) + by_radius, int(j)) for j in free]
+        recent = away_m[self._now_s - landmarks.last_s < FRESH_S]
         nearest = float(recent.min(initial=math.inf))
         new = sighting.whole and nearest >= SAME_M
-        surveyed = new and float(found.away_m[: hypothesis.saved].min(initial=math.inf)) < SURVEYED_M
+        surveyed = new and float(away_m[: hypothesis.saved].min(initial=math.inf)) < SURVEYED_M
         unknown = UNKNOWN_PER_M2 * (cfg.beside if nearest < APART_M or surveyed else 1.0)
         return [*choices, (hypothesis.score + math.log(unknown), NEW if new else UNUSED)]
 

@@ -14,7 +14,7 @@ from coral.config import Count, NonNegative, Positive
 from coral.reef.map.carried import around
 from coral.reef.map.layer_kernels import LEVEL, LOW, count, mark
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
-from coral.reef.vehicle.range_image import RangeImage, beam_directions
+from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.world.geometry import Pose
 
 
@@ -59,8 +59,6 @@ class ObstacleLayer:
         self._hits, self._through = np.zeros(shape, np.uint16), np.zeros(shape, np.uint16)
         self._clear, self._said = np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
         self._height = np.full(shape, np.nan, np.float32)
-        self._beams = beam_directions((sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg)
-        self._geometry = (sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg
 
     @property
     def grids(self) -> tuple[NDArray[Any], ...]:
@@ -84,14 +82,10 @@ class ObstacleLayer:
     ) -> bool:
         """Fuse a range image of any geometry taken at `pose`; a positive pitch (rad) lowers the nose."""
         cfg = self.cfg
-        geometry = image.ranges.shape, image.hfov_deg, image.vfov_deg
-        if geometry != self._geometry:
-            self._geometry = geometry  # type: ignore[assignment]
-            self._beams = image.directions()
         top = altitude_m + min(cfg.above_m, depth_m - cfg.surface_m)
         mark(
             image.ranges,
-            self._beams,
+            image.directions(),
             sonar_attitude(pose.theta, roll, pitch, self.sonar.pitch_down_deg),
             (pose.x, pose.y, altitude_m),
             self._cell_m,

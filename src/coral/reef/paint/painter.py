@@ -24,8 +24,6 @@ from coral.reef.world.geometry import Frame, Label, Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.water_types import Rgb, WaterType, find_water
 
-__all__ = ["Painter", "PainterCfg"]
-
 _RANGES = 1024
 """Rows of the table of transmissions."""
 _FAR_M = 80.0
@@ -75,7 +73,6 @@ class Painter:
         frame: Frame,
         pose: Pose,
         *,
-        height: float | None = None,
         roll: float = 0.0,
         pitch: float = 0.0,
         t: float = 0.0,
@@ -83,10 +80,10 @@ class Painter:
     ) -> NDArray[np.uint8]:
         """Paint what the camera's rays met as its picture, RGB in sRGB. Shape=(H, W, 3).
 
-        Roll and pitch as for `T_world_camera`, with the camera's height above the seabed (m; None: as configured).
+        Roll and pitch as for `T_world_camera`, at the camera's configured height above the seabed.
         Waves, snow, noise and animals change with `t` (s). Velocity, surge, sway (m/s) and yaw rate (rad/s), blurs.
         """
-        light = self.light(frame, pose, height=height, roll=roll, pitch=pitch, t=t, velocity=velocity)
+        light = self.light(frame, pose, roll=roll, pitch=pitch, t=t, velocity=velocity)
         return expose(light, self.cfg, noise_seed(self.seed, pose, t))
 
     def light(
@@ -94,7 +91,6 @@ class Painter:
         frame: Frame,
         pose: Pose,
         *,
-        height: float | None = None,
         roll: float = 0.0,
         pitch: float = 0.0,
         t: float = 0.0,
@@ -102,9 +98,7 @@ class Painter:
     ) -> NDArray[np.float32]:
         """Return the light that reaches the lens, before exposure and noise, as for `paint`. Shape=(H, W, 3)."""
         cfg, water, scene = self.cfg, self.water, self.scene.at(t)
-        transform = T_world_camera(
-            pose, self.camera, seabed_z=self.scene.seabed_z, altitude=height, roll=roll, pitch=pitch
-        )
+        transform = T_world_camera(pose, self.camera, seabed_z=self.scene.seabed_z, roll=roll, pitch=pitch)
         above = max(cfg.water_depth_m - float(transform[2, 3] - self.scene.seabed_z), 0.0)
         floor = _daylight(water, cfg.water_depth_m)
         # Scattering on the way down takes light from the straight beam and spreads the caustics.

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from coral.errors import InputError
@@ -97,16 +96,15 @@ def read_log_folder(
             f"; estimated: the video begins at {offset.start_s:.1f} s, where its turns fit the log's best ({fits}); "
             "--pictures-start-s T gives another time"
         )
+
+    def keyframes(_: TimedPictures = pictures) -> Iterator[PosedFrame]:  # a video's pictures are there as long as these
+        return found.keyframes()
+
     return replace(
         found,
         name=folder.resolve().name,
-        keyframes=partial(_read, found.keyframes, pictures),
+        keyframes=keyframes,
         datum=found.datum if at is None else (float(at[1, 3]), float(at[0, 3])),
         remarks=(clock, track.remark) if track.remark else (clock,),
         omitted=omitted,
     )
-
-
-def _read(keyframes: Callable[[], Iterator[PosedFrame]], pictures: TimedPictures) -> Iterator[PosedFrame]:
-    """Read keyframes. What was taken out of a video is there as long as `pictures`."""
-    return keyframes()

@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.file_writer import write_whole
-from coral.foreign_file import read_picture_file
 from coral.reef.eyes.doubt import pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.recordings.picture_files import (
@@ -21,13 +19,10 @@ from coral.reef.recordings.picture_files import (
     depth_of,
     doubt_of,
     encode_depth,
-    encode_png,
     labels_of,
 )
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Frame, Label
-
-_PARTS = ("labels", "depth", "doubt")
 
 
 class PicturePerception:
@@ -49,15 +44,10 @@ class PicturePerception:
             seen = perceive_frame(Frame.of_colours(rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
-        labels, depth, doubt = (self._read(number, part) for part in _PARTS)
+        with np.load(self._path(number)) as kept:
+            labels, depth, doubt = kept["labels"], kept["depth"], kept["doubt"]
         metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
-        return Frame(
-            depth=metres.astype(np.float32),
-            labels=np.asarray(labels, np.uint8),
-            instances=NO_OBJECTS,
-            rgb=rgb,
-            doubt=unpack_doubt(doubt),
-        )
+        return Frame(metres.astype(np.float32), labels, NO_OBJECTS, rgb, doubt=unpack_doubt(doubt))
 
     def _keep(self, number: int, seen: Frame, camera: RecordedCamera) -> None:
         assert seen.doubt is not None
@@ -65,16 +55,10 @@ class PicturePerception:
         if camera.rectifier is not None:
             labels = np.where(camera.rectifier.outside, np.uint8(Label.WATER), labels).astype(np.uint8)
             depth = np.where(camera.rectifier.outside, np.uint16(0), depth).astype(np.uint16)
-        write_whole(self._path(number, "labels"), encode_png(labels))
-        write_whole(self._path(number, "depth"), encode_png(depth))
-        write_whole(self._path(number, "doubt"), encode_png(pack_doubt(seen.doubt)))
+        np.savez_compressed(self._path(number), labels=labels, depth=depth, doubt=pack_doubt(seen.doubt))
 
-    def _read(self, number: int, part: str) -> NDArray[Any]:
-        path = self._path(number, part)
-        return found if (found := read_picture_file(path)) is not None else np.empty(0, np.uint8)
-
-    def _path(self, number: int, part: str) -> Path:
-        return Path(self._folder.name) / f"{number:06d}_{part}.png"
+    def _path(self, number: int) -> Path:
+        return Path(self._folder.name) / f"{number:06d}.npz"
 
 
 def recorded_frame(
