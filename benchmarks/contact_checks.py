@@ -38,9 +38,8 @@ from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import suite_tasks
-from coral.contact.scene.trial import Trial, sample_trial
+from coral.contact.scene.trial import Trial, sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld

@@ -18,8 +18,8 @@ from reference_texts import VEHICLE_TOPICS
 from coral.advisor.registry import ENTRIES
 from coral.campaign.campaign_files import CampaignFiles
 from coral.configurations import CONFIGURATIONS
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.franka import ros_topics as arm_topics
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.memory.memory import Experience
@@ -65,7 +65,7 @@ NAMED = {
     "sweeps": ("key | what it changes", "coral.reef.mission.sweep:WHAT"),
     "ends-survey": ("reason | what", "reference_texts:SURVEY_ENDS"),
     "codes-policy": ("code | what", "reference_texts:POLICY_CODES"),
-    "ends-task": ("reason | what", "coral.contact.episode.end_reasons:END_REASONS"),
+    "ends-task": ("reason | what", "coral.contact.episode.trial_log:END_REASONS"),
     "entry-points": ("group | the entry point is a", "coral.plugins:GROUPS"),
     "columns-clusters": ("columns | what", "coral.reef.products.product_files:CLUSTERS"),
     "columns-shells": ("columns | what", "coral.reef.products.product_files:SHELLS"),

@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from coral.advisor.fallback import FOR_BENCHES, failed
-from coral.contact.episode.end_reasons import END_REASONS
+from coral.contact.episode.trial_log import END_REASONS
 from reference import texts
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -9,7 +9,7 @@ from coral.calibration_board import CharucoBoard
 from coral.cli import main
 from coral.commands import contact_calibrate
 from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
-from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.geometry import inverse_transform
 
 BOARD = ["--board", "7x5:0.04:0.03"]
 

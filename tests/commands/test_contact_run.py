@@ -7,7 +7,7 @@ from contact_bench import changed
 
 from coral.cli import main
 from coral.commands.contact_run import HINT, WAYS_ON, KeyboardVerdict
-from coral.contact.episode.end_reasons import END_REASONS
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.episode.variants import VARIANTS, WHAT
 from coral.contact.scene.task_file import TASKS_DIR
 

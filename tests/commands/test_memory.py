@@ -2,8 +2,8 @@ import pytest
 
 from coral.commands.contact_bench import read_memory
 from coral.commands.memory import MemoryImport
-from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.errors import InputError

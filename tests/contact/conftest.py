@@ -7,9 +7,8 @@ import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld

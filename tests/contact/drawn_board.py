@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame, look_at
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.geometry import inverse_transform, pose_matrix
 
 LENS = np.array([500.0, 500.0, 319.5, 239.5])
 PLACED = look_at((-0.3, -0.5, 0.5), (0.1, 0.0, 0.0))

@@ -5,8 +5,7 @@ from solid_object import solid
 
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.raycast_kernels import render
-from coral.contact.scene.geometry import rotation_from_vector
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_from_vector
 
 LENS = RgbdCameraCfg(width=160, height=120).lens
 BOX = solid(("box", (0.06, 0.04, 0.03)))

@@ -2,8 +2,8 @@
 
 from recorded import compose
 
+from coral.contact.memory.goal_match import scene_numbers
 from coral.contact.memory.memory import Experience
-from coral.contact.memory.scene_numbers import scene_numbers
 
 
 def experience(one, **provenance):

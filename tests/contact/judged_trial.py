@@ -4,10 +4,9 @@ import numpy as np
 from contact_bench import touch
 
 from coral.contact.scene.geometry import from_rotvec, multiply
-from coral.contact.scene.joint_motion import move_joint
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import BodyState, Contact, HandForce, Truth
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import move_joint, sample_trial
 from coral.contact.tasks import load_task
 
 STEP_S = 0.02

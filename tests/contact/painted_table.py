@@ -5,7 +5,7 @@ from solid_object import solid
 
 from coral.contact.perception.camera import RgbdFrame, look_at
 from coral.contact.real_scenes.object_drawing import draw_depth
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.geometry import inverse_transform, pose_matrix
 
 LENS = np.array([120.0, 120.0, 47.5, 35.5])
 SHAPE = (72, 96)

@@ -111,8 +111,7 @@ class ContactCalibrate:
             calibrate_by_placed_board,
         )
         from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
-        from coral.contact.scene.geometry import rotation_about
-        from coral.contact.scene.rigid_transform import pose_matrix
+        from coral.contact.scene.geometry import pose_matrix, rotation_about
 
         board = CharucoBoard(self.board)
         colours = [frame.rgb for frame in frames if frame.rgb is not None]

@@ -17,7 +17,7 @@ from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.real_scenes.masks.mask_registry import mask_help
-from coral.contact.scene.task_names import shipped_tasks
+from coral.contact.scene.task_file import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
@@ -56,7 +56,7 @@ class ContactPoses:
         from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
         from coral.contact.real_scenes.object_tracking import track_objects
         from coral.contact.real_scenes.pose_picture import draw_poses
-        from coral.contact.scene.rigid_transform import matrix_to_body
+        from coral.contact.scene.geometry import matrix_to_body
         from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task
 

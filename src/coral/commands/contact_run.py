@@ -24,7 +24,6 @@ from coral.commands.progress import EpisodeProgress
 from coral.commands.render import list_made, render
 from coral.commands.robot_flags import RobotFlags, robot_names
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.own_cost import own_cost
 from coral.contact.episode.resolution import (
@@ -34,15 +33,15 @@ from coral.contact.episode.resolution import (
     check_combination,
     resolve_episode,
 )
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, AdvisorSetup, contact_advisor, contact_model
 from coral.contact.perception.tracker_registry import tracker_help
-from coral.contact.scene.task_names import shipped_tasks
+from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.fallback import StandIn
-from coral.contact.thinker.think_cfg import Told
+from coral.contact.thinker.think_cfg import StandIn, Told
 from coral.contact.thinker.thinking_clock import thinking_latency
-from coral.contact.world_model.given_beliefs import parse_beliefs
+from coral.contact.world_model.parameter_estimates import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError, RunError

@@ -30,9 +30,9 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.fallback import StandIn
+from coral.contact.thinker.think_cfg import StandIn
 from coral.contact.thinker.thinking_clock import thinking_latency
-from coral.contact.world_model.given_beliefs import parse_beliefs
+from coral.contact.world_model.parameter_estimates import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.interface.result import ResultFolder, RunResult, demand_inbox

@@ -12,7 +12,7 @@ from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
-from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import stated_beliefs
 from coral.mppi.knots import KnotMppiCfg
 
 GOAL = np.array([0.1, 0.1, 0.2])

@@ -8,8 +8,7 @@ import pytest
 
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.control.warp_rollouts import WarpRollouts
-from coral.contact.scene.prior_beliefs import stated_beliefs
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError

@@ -12,8 +12,8 @@ from stub_foundationpose import Oracle, serving
 from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.resolution import resolve_episode
-from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.observation import BodyState

@@ -10,11 +10,10 @@ from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode import episode as module
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode, as_perceived
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.prior_beliefs import prior_beliefs
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
 from coral.contact.worlds.robot_world import WorldError

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from episodes import COARSE, SLIDE, ObedientRobot, ObedientWorld, make_trial, strategy
 
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.referee import make_referee, measured_state
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial

@@ -15,8 +15,7 @@ from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
-from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_of
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.errors import InputError
 from coral.view.contact.report import write_contact_report

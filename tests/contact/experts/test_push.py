@@ -7,12 +7,11 @@ import pytest
 
 from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
-from coral.contact.experts.abreast import DOWN
 from coral.contact.experts.push import SOFT_N_M, ahead_of, behind, fsm, recent
+from coral.contact.experts.terms import DOWN
 from coral.contact.scene.geometry import angle_between
 from coral.contact.scene.observation import BodyState, Observation
-from coral.contact.scene.prior_beliefs import stated_beliefs
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld
 from coral.mppi.knots import KnotMppiCfg

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.stages import Progress
-from coral.contact.experts.abreast import facing
+from coral.contact.experts.terms import facing
 from coral.contact.experts.wall import behind, fsm, raised, single, square, under, wall_face
 from coral.contact.scene.geometry import from_rpy_deg
 from coral.contact.tasks import load_task

@@ -7,8 +7,8 @@ import sys
 import pytest
 from experiences import experience
 
-from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import FORMAT, Memory
+from coral.contact.memory.wording import HashedConcepts
 from coral.errors import InputError
 
 
@@ -185,7 +185,7 @@ def test_a_file_that_is_no_memory_is_refused(tmp_path):
 WRITER = """
 import sys, json
 from pathlib import Path
-from coral.contact.memory.embedding import HashedConcepts
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
 memory = Memory(sys.argv[1], embedder=HashedConcepts())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
@@ -239,7 +239,7 @@ def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
 ADDER = """
 import sys
 from pathlib import Path
-from coral.contact.memory.embedding import HashedConcepts
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
 memory = Memory(sys.argv[1], embedder=HashedConcepts())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())

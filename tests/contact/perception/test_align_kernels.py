@@ -8,8 +8,7 @@ from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.agreement_kernels import RESIDUAL, count_agreement, shift_onto_mask
 from coral.contact.perception.image_patch import crop_patch
 from coral.contact.perception.registration import misfit
-from coral.contact.scene.geometry import rotation_about
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.scene.geometry import pose_matrix, rotation_about
 
 
 def slope(model, T):

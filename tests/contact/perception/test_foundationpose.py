@@ -15,8 +15,7 @@ from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
-from coral.contact.scene.geometry import from_rotvec, rotation_of
-from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, matrix_to_body
+from coral.contact.scene.geometry import body_to_matrix, from_rotvec, inverse_transform, matrix_to_body, rotation_of
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError

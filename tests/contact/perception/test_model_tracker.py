@@ -9,9 +9,8 @@ from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracked_object import MotionFilter, MotionFilterCfg
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
-from coral.contact.scene.geometry import rotation_about
+from coral.contact.scene.geometry import body_to_matrix, matrix_to_body, pose_matrix, rotation_about
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.rigid_transform import body_to_matrix, matrix_to_body, pose_matrix
 
 CFG = TrackedCfg(camera=RgbdCameraCfg(width=240, height=180))
 

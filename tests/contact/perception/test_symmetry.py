@@ -5,9 +5,8 @@ from hypothesis import strategies as st
 from solid_object import solid
 
 from coral.contact.perception.symmetry import Symmetry, compare_poses, of_kind
-from coral.contact.scene.geometry import from_rotvec, rotation_about, rotation_angle, spread_rotations
+from coral.contact.scene.geometry import from_rotvec, pose_matrix, rotation_about, rotation_angle, spread_rotations
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
 BOARD = (("box", (0.15, 0.1, 0.006)), ("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))

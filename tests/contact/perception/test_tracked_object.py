@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.tracked_object import MotionFilter, MotionFilterCfg, TrackedObject
-from coral.contact.scene.geometry import rotation_about, rotation_angle
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.scene.geometry import pose_matrix, rotation_about, rotation_angle
 
 PLACE = pose_matrix(rotation_about([0.0, 0.0, 1.0], 0.4), [0.3, 0.1, 0.05])
 TOOL = pose_matrix(rotation_about([1.0, 0.0, 0.0], np.pi), [0.3, 0.1, 0.2])

@@ -11,8 +11,8 @@ from config_reads import watched
 from coral.campaign.dataset import read_parquet
 from coral.cli import _parse, main
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.policy_cfg import LiberoCfg, PolicyCamerasCfg, PolicyCfg
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import PolicyError
 from coral.contact.policy.policy_episode import PolicyCameras, PolicyEpisode, wrist_pose

@@ -9,7 +9,7 @@ from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.real_scenes.cameras.bare_frame import bare_frame
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
-from coral.contact.scene.rigid_transform import matrix_to_body, pose_matrix
+from coral.contact.scene.geometry import matrix_to_body, pose_matrix
 
 FROM_ABOVE = TrackedCfg(noise=False, eye_m=(-0.35, -0.75, 0.6), target_m=(0.05, 0.0, 0.05))
 

@@ -4,7 +4,7 @@ from solid_object import solid
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.object_drawing import draw_depth
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.scene.geometry import pose_matrix
 
 
 def test_a_box_is_drawn_where_it_is():

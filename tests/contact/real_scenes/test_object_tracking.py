@@ -7,7 +7,7 @@ from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.real_scenes.masks.colour_masks import ColourMasks, paint_regions
 from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.scene.geometry import pose_matrix
 
 MASKS = ColourMasks(paint_regions({"box": (200 / 255, 60 / 255, 40 / 255)}))
 

@@ -8,9 +8,13 @@ from hypothesis.extra.numpy import arrays
 
 from coral.contact.scene.geometry import (
     angle_between,
+    body_to_matrix,
     from_rotvec,
     from_rpy_deg,
+    inverse_transform,
+    matrix_to_body,
     multiply,
+    pose_matrix,
     quaternion_of,
     rotate,
     rotation_about,
@@ -21,10 +25,12 @@ from coral.contact.scene.geometry import (
     spread_rotations,
     to_rotvec,
 )
+from coral.contact.scene.observation import BodyState
 
 ROOT = np.sqrt(0.5)
 VECTORS = arrays(float, 3, elements=st.floats(-10, 10))
 TURNS = VECTORS.map(lambda v: from_rotvec(v))
+QUARTER = rotation_about([0.0, 0.0, 1.0], np.pi / 2)
 
 
 @pytest.mark.parametrize(
@@ -101,3 +107,19 @@ def test_spread_rotations_leave_no_gap_and_do_not_repeat():
 
     assert angles(others).min(axis=1).max() < 40
     assert angles(turns[:1])[0, 1:].min() > 10
+
+
+def test_a_pose_rotates_and_then_shifts():
+    T = pose_matrix(QUARTER, [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(T @ [1.0, 0.0, 0.0, 1.0], [1.0, 3.0, 3.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(inverse_transform(T) @ [1.0, 3.0, 3.0, 1.0], [1.0, 0.0, 0.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(inverse_transform(T), np.linalg.inv(T), atol=1e-12)
+
+
+def test_a_body_comes_back_from_its_matrix():
+    body = BodyState(np.array([0.1, -0.2, 0.3]), from_rotvec([0.3, -0.4, 0.5]), np.ones(3), np.ones(3))
+    T = body_to_matrix(body)
+    back = matrix_to_body(T)
+    np.testing.assert_allclose(back.position, body.position)
+    np.testing.assert_allclose(back.quaternion, body.quaternion, atol=1e-12)
+    assert not back.velocity.any()  # a pose says nothing of motion

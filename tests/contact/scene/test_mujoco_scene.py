@@ -10,9 +10,8 @@ from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.mujoco_scene import TABLE_COLOR, add_scene
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import every_task
-from coral.contact.scene.trial import PhysicalParameters, with_beliefs
+from coral.contact.scene.trial import PhysicalParameters, stated_beliefs, with_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld
 from coral.contact.worlds.robot_world import WorldError

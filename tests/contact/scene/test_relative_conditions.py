@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contact_bench import body, make_trial, plain, truth, written
 
-from coral.contact.scene.joint_motion import move_joint
+from coral.contact.scene.trial import move_joint
 from coral.errors import InputError
 
 BOX = plain()["objects"][0]

@@ -7,7 +7,7 @@ from histories import TOOL, history, sliding
 from coral.contact.plan.stage_end import EndPart, PartReading
 from coral.contact.thinker.diagnosis import TEXTS, diagnose
 from coral.contact.thinker.evidence import collect_evidence
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.progress_monitor import PlanNote
 
 BOX = (0.1, 0.0, 0.03)
 AHEAD = (0.0, 0.0, 0.33)

@@ -2,7 +2,7 @@ import pytest
 
 from coral.contact.plan.stage_end import EndPart, PartReading
 from coral.contact.thinker.end_evidence import collect_end
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.progress_monitor import PlanNote
 
 NEAR = EndPart("norm(self.off) < 0.012", "<", "m", "norm(self.off)", "0.012")
 SQUARE = EndPart("square < 0.05", "<", "", "square", "0.05")

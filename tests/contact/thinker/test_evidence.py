@@ -6,7 +6,7 @@ from histories import history, sliding
 
 from coral.contact.plan.stage_end import EndPart, PartReading
 from coral.contact.thinker.evidence import collect_evidence
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.progress_monitor import PlanNote
 
 SIZE = np.array([0.06, 0.06, 0.06])
 BOX = (0.0, 0.0, 0.03)

@@ -1,6 +1,7 @@
 """What the outer loop remembers of surprises; what counts as progress is in test_thinker.py."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Transition
 from coral.contact.thinker import progress_monitor
-from coral.contact.thinker.progress_monitor import SURPRISE_TAU_S, OuterCfg, ProgressMonitor
+from coral.contact.thinker.progress_monitor import FORCE_STEPS, SURPRISE_TAU_S, OuterCfg, ProgressMonitor, note_of
 from coral.contact.thinker.strategist import PlanReport
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -77,3 +78,22 @@ def test_the_first_values_of_a_stages_end_are_kept_longer_than_the_record(monkey
     monitor.update(PlanReport(observed(0.4, 0.0), plan, "lift", (), present="measured"))
     assert monitor.first_ends == {"reach": (0,)}
     assert [note.end for note in monitor.notes] == [(8,), (9,), ()]
+
+
+def test_a_note_keeps_what_a_diagnosis_reads_and_averages_the_first_predicted_forces():
+    force = np.zeros((2 * FORCE_STEPS, 3))
+    force[:FORCE_STEPS, 2] = np.linspace(0.0, 4.0, FORCE_STEPS)
+    plan = SimpleNamespace(terms={"way": 3.0}, expected_force=force, at_edge=0.5)
+    touched, sunk_m = {"left": ("box",)}, {"box": 0.01}
+    note = note_of(PlanReport(SimpleNamespace(time_s=0.3), plan, "reach", touched=touched, sunk_m=sunk_m))
+    assert (note.time_s, note.stage, note.terms, note.touched) == (0.3, "reach", {"way": 3.0}, touched)
+    assert note.end == ()
+    assert (note.expected_force, note.sunk_m, note.at_edge) == ((0.0, 0.0, 2.0), sunk_m, 0.5)
+
+
+def test_a_note_keeps_how_the_end_of_the_stage_stands_in_the_measured_state():
+    plan = SimpleNamespace(terms={}, expected_force=np.zeros((2, 3)), at_edge=0.0)
+    end = SimpleNamespace(read=lambda present: (present,))
+    report = PlanReport(SimpleNamespace(time_s=0.3), plan, "reach", present="measured")
+    assert note_of(report, end).end == ("measured",)
+    assert note_of(report).end == note_of(replace(report, present=None), end).end == ()

@@ -9,10 +9,10 @@ from recorded import RULES, compose
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg, RememberedPlan
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process, make_strategy
-from coral.contact.plan.imagined_outcome import ImaginedOutcome
+from coral.contact.plan.imagined_run import ImaginedOutcome
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.thinker.questions import Questions
@@ -217,9 +217,7 @@ def test_one_that_falls_back_twice_is_refused(scene):
 
 def test_one_that_breaks_something_for_good_is_refused(scene, monkeypatch):
     one = scene("push-force")
-    monkeypatch.setattr(
-        "coral.contact.plan.imagined_outcome.ImaginedJudge._broken", lambda *_: ("kept-level of block",)
-    )
+    monkeypatch.setattr("coral.contact.plan.imagined_run.ImaginedJudge._broken", lambda *_: ("kept-level of block",))
     assert (
         tried(one, {"name": "all", "code": UP}).refusal == "in an imagined run, it breaks for good: kept-level of block"
     )

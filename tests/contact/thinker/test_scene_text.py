@@ -4,8 +4,8 @@ import pytest
 from contact_bench import make_trial, plain, seen
 
 from coral.advisor.prompt import render
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.plan.plan_check import OPENING_M
 from coral.contact.scene.trial import PhysicalParameters

@@ -1,6 +1,6 @@
 from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.cost_program import CostError
-from coral.contact.scene.prior_beliefs import prior_beliefs, stated_beliefs
+from coral.contact.scene.trial import prior_beliefs, stated_beliefs
 from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
 
 STRATEGY = Strategy("expert", (Stage("reach", lambda state: {}),))

@@ -13,20 +13,19 @@ from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.worker import CostWorker
-from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg
+from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
-from coral.contact.plan.imagined_outcome import ImaginedOutcome
+from coral.contact.plan.imagined_run import ImaginedOutcome
 from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
 from coral.contact.thinker.recall import RecallRun
 from coral.contact.thinker.strategist import NoStrategy, PlanReport
-from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.think_cfg import NoDecision, ThinkCfg
 from coral.contact.thinker.thinker import Thinker
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 from coral.errors import InputError

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.cost.stages import Stage
 from coral.contact.scene.observation import HandTarget, Observation
 from coral.errors import InputError
@@ -64,3 +66,31 @@ def hand_controller_maker(controller: str | MakeHandController, where: str = "co
         return HAND_CONTROLLERS[controller]
     made: MakeHandController = named_plugin("coral.hand_controllers", controller, where, ours=list(HAND_CONTROLLERS))
     return made
+
+
+@dataclass(frozen=True)
+class PlannerLimits:
+    """How far, how often and how finely a run plans, and where its hand may go."""
+
+    controller: ControllerCfg
+    """Horizon, samples, speeds and workspace of its plans."""
+    step_s: float
+    """One control step."""
+    replan_s: float
+    """Simulated time between two plans; conditions of stages are tested at each."""
+    late_s: float = 0.0
+    """Simulated time that passes while a plan is computed; 0 if the world stands still."""
+    press_n: float = ReactiveCfg().force_limit_n
+    """The largest force with which the hand presses."""
+    arm: bool = False
+    """Whether the hand is an arm's, and does not fly."""
+
+    @property
+    def horizon_s(self) -> float:
+        """Return the time that a plan looks ahead."""
+        return self.controller.horizon * self.step_s
+
+    @property
+    def free_n(self) -> float | None:
+        """Return the force on table and fixtures above which rollouts count as worse; None if none does."""
+        return self.controller.press_free_n if self.controller.press_weight else None

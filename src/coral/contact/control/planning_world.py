@@ -26,10 +26,9 @@ from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
 from coral.contact.control.warp_rollouts import WarpRollouts
 from coral.contact.cost.context import Context, Lazy, Value
 from coral.contact.scene.geometry import multiply, rotate
-from coral.contact.scene.joint_motion import joint_speed
 from coral.contact.scene.mujoco_scene import contact_pairs
 from coral.contact.scene.observation import Array, BodyState, Observation
-from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
+from coral.contact.scene.trial import PhysicalParameters, Trial, joint_speed, with_beliefs
 
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
 FORCE, TORQUE, PLACE = slice(1, 4), slice(4, 7), slice(7, 10)

@@ -9,8 +9,7 @@ import numpy as np
 
 from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.machine import Machine, merge
 from coral.contact.cost_program.state import read_quantity
 from coral.contact.cost_program.values import (
     Builtin,

@@ -11,8 +11,7 @@ import numpy as np
 from coral.contact.cost_program.arithmetic import apply, binary, both, dot, no_truth, truth
 from coral.contact.cost_program.calls import attribute, call
 from coral.contact.cost_program.limits import Mask
-from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.machine import Machine, merge
 from coral.contact.cost_program.values import (
     Function,
     Poison,

@@ -12,8 +12,7 @@ from coral.contact.cost.context import Array, Context, Schema, Terms
 from coral.contact.cost_program.calls import leave, outcome
 from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name, line_of
 from coral.contact.cost_program.limits import LimitsCfg, Meter
-from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.merging import filled
+from coral.contact.cost_program.machine import Machine, filled
 from coral.contact.cost_program.parse import Parsed, parse
 from coral.contact.cost_program.statements import own_names, run_block
 from coral.contact.cost_program.trace import Trace, Traced

@@ -13,10 +13,14 @@ from typing import Any
 import numpy as np
 
 from coral.config import checked, to_mapping, whole_steps
-from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
+from coral.contact.control.hand_controllers import (
+    HandController,
+    MakeHandController,
+    PlannerLimits,
+    hand_controller_maker,
+)
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.control.reactive import Reactive
@@ -35,12 +39,10 @@ from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.symmetry import PoseDifference
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
-from coral.contact.scene.prior_beliefs import prior_beliefs
-from coral.contact.scene.trial import Trial, with_beliefs
+from coral.contact.scene.trial import Trial, prior_beliefs, with_beliefs
 from coral.contact.thinker.asker import EpisodeOver
-from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
-from coral.contact.thinker.think_cfg import decision_budget
+from coral.contact.thinker.think_cfg import NoDecision, decision_budget
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.contact.worlds.registry import make_world
 from coral.contact.worlds.robot_world import RobotWorld, WorldError, in_real_time

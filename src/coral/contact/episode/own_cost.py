@@ -25,8 +25,7 @@ from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
 from coral.contact.plan.numpy_cost import NumpyCost
 from coral.contact.plan.plan_check import OF_THE_PLACE, judge_plan
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.prior_beliefs import stated_beliefs
-from coral.contact.scene.trial import Trial
+from coral.contact.scene.trial import Trial, stated_beliefs
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.foreign_file import read_text

@@ -16,9 +16,8 @@ from coral.contact.episode.referee import OperatorVerdict
 from coral.contact.episode.variants import ALONE, REMEMBERING, AdvisorSetup, check_variant, make_strategist
 from coral.contact.perception.tracker_registry import choose_tracker
 from coral.contact.scene.trial import Trial
-from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist, Strategist
-from coral.contact.thinker.think_cfg import Told
+from coral.contact.thinker.think_cfg import StandIn, Told
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError
 

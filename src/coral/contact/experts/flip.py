@@ -10,8 +10,7 @@ import numpy as np
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.abreast import ABREAST_M, PAD_M, on_box, palm_down
-from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.experts.terms import ABREAST_M, PAD_M, axis, dot, near, norm, on_box, palm_down
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task

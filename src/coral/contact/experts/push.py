@@ -12,8 +12,7 @@ import numpy as np
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.abreast import ABREAST_M, PAD_M, facing, reach_terms
-from coral.contact.experts.terms import axis, dot, level, near, norm
+from coral.contact.experts.terms import ABREAST_M, PAD_M, axis, dot, facing, level, near, norm, reach_terms
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.abreast import ABREAST_M, DOWN, PAD_M, facing, on_box, reach_terms
-from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.experts.terms import ABREAST_M, DOWN, PAD_M, axis, dot, facing, near, norm, on_box, reach_terms
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 

@@ -30,8 +30,8 @@ from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models, track_objects
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
+from coral.contact.scene.geometry import matrix_to_body
 from coral.contact.scene.observation import Observation
-from coral.contact.scene.rigid_transform import matrix_to_body
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
 

@@ -13,8 +13,8 @@ from coral.contact.franka.double import Double
 from coral.contact.franka.stream import Phase, StopCause, StreamReport
 from coral.contact.franka.stream_process import StreamProcess
 from coral.contact.real_scenes.hand_mask import HandReading
+from coral.contact.scene.geometry import body_to_matrix
 from coral.contact.scene.observation import HandTarget, Observation, Truth
-from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.contact.worlds.robot_world import WorldError
 from coral.errors import RunError

@@ -6,9 +6,8 @@ import ast
 import re
 from collections.abc import Mapping, Sequence
 
-from coral.contact.memory.goal_match import GoalMatch
+from coral.contact.memory.goal_match import GoalMatch, roles
 from coral.contact.memory.memory import Experience, RememberedPlan
-from coral.contact.memory.scene_numbers import roles
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.facts import SceneFacts

@@ -11,19 +11,19 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
 
-from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
-from coral.contact.memory.goal_match import GoalMatch, match_goals
-from coral.contact.memory.scene_numbers import (
+from coral.contact.memory.goal_match import (
     HELD,
+    GoalMatch,
     fits_hand,
     joints_of,
+    match_goals,
     roles,
     scene_distance,
     scene_numbers,
     translate_numbers,
 )
 from coral.contact.memory.store_sqlite import SqliteStore
-from coral.contact.memory.wording import contradict
+from coral.contact.memory.wording import DEFAULT, Embedder, Vector, contradict, embedder_of
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.scene.facts import SceneFacts

@@ -16,7 +16,7 @@ from typing import cast
 
 import numpy as np
 
-from coral.contact.memory.embedding import Vector
+from coral.contact.memory.wording import Vector
 from coral.errors import InputError
 from coral.foreign_file import open_sqlite, refuse_computed
 

@@ -17,8 +17,8 @@ from coral.contact.perception.confidence import PoseBelief, is_unseen, patch_aro
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
+from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
 
 URL = re.compile(r"http://(?:\[[\da-fA-F:.]+\]|[\w.-]+)(?::(?:[1-5]?\d{1,4}|6[0-4]\d{3}|65[0-5]\d{2}))?/?", re.ASCII)

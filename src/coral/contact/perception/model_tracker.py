@@ -13,9 +13,15 @@ from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.registration import misfit, register, start_orientations
 from coral.contact.perception.tracker import PoseEstimate
-from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
+from coral.contact.scene.geometry import (
+    inverse_transform,
+    pose_matrix,
+    rotation_about,
+    rotation_angle,
+    rotation_from_vector,
+    rotation_vector,
+)
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 # Weights and thresholds, chosen by measurement on the six tasks' motions (docs/research/tracking.md).
 PIXELS = 12000

@@ -13,9 +13,8 @@ from coral.contact.perception import solids as kinds
 from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
-from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_of
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 

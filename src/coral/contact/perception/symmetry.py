@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coral.contact.scene.geometry import quaternion_of, rotation_about, rotation_angle, spread_rotations
+from coral.contact.scene.geometry import body_to_matrix, quaternion_of, rotation_about, rotation_angle, spread_rotations
 from coral.contact.scene.observation import Array, BodyState
-from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.errors import InputError
 
 

@@ -9,9 +9,14 @@ import numpy as np
 
 from coral.config import Count, Fraction, NonNegative
 from coral.contact.perception.tracker import PoseTracker
-from coral.contact.scene.geometry import rotation_angle, rotation_from_vector, rotation_vector
+from coral.contact.scene.geometry import (
+    inverse_transform,
+    pose_matrix,
+    rotation_angle,
+    rotation_from_vector,
+    rotation_vector,
+)
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,9 +16,17 @@ from coral.contact.perception.symmetry import PoseDifference, compare_poses
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.perception.tracked_object import TrackedObject
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
-from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_about, rotation_of
+from coral.contact.scene.geometry import (
+    body_to_matrix,
+    from_rpy_deg,
+    inverse_transform,
+    matrix_to_body,
+    pose_matrix,
+    quaternion_of,
+    rotation_about,
+    rotation_of,
+)
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
-from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, matrix_to_body, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WrappedWorld
 from coral.contact.worlds.robot_world import WorldError

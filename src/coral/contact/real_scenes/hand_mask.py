@@ -12,8 +12,8 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ROBOT_NAME
 from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.real_scenes.object_drawing import draw_depth
+from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform
 
 MARGIN_M = 0.02
 """Measured depths this near to the drawn hand are the hand's: a camera's calibration and delay err by some of it."""

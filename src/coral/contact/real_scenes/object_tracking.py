@@ -17,9 +17,9 @@ from coral.contact.perception.tracker_registry import TrackerChoice
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.masks.mask_registry import make_masks
 from coral.contact.real_scenes.masks.mask_source import MaskSource
+from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
 
 

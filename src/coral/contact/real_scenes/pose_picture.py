@@ -12,7 +12,7 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.real_scenes.object_drawing import draw_depth
-from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.geometry import inverse_transform
 
 _GREEN, _WHITE = (60, 230, 60), (255, 255, 255)
 WIDTH = 960

@@ -1,4 +1,7 @@
-"""Rotations as unit quaternions (w, x, y, z), matrices and rotation vectors; arrays may have leading batch axes."""
+"""Rotations as unit quaternions (w, x, y, z), matrices and rotation vectors; rigid transforms, Shape=(4, 4).
+
+Arrays may have leading batch axes.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from coral.contact.scene.observation import Array
+from coral.contact.scene.observation import Array, BodyState
 
 
 def rotation_of(quaternion: ArrayLike) -> Array:
@@ -143,3 +146,26 @@ def spread_rotations(n: int) -> Array:
     r, big_r = np.sqrt(s / n), np.sqrt(1.0 - s / n)
     a, b = 2 * math.pi * s / phi, 2 * math.pi * s / psi
     return rotation_of(np.stack([r * np.sin(a), r * np.cos(a), big_r * np.sin(b), big_r * np.cos(b)], -1))
+
+
+def pose_matrix(rotation: ArrayLike, position: ArrayLike) -> Array:
+    """Make the transform that rotates, Shape=(3, 3), and then translates, Shape=(3,) m."""
+    transform = np.eye(4)
+    transform[:3, :3], transform[:3, 3] = rotation, position
+    return transform
+
+
+def inverse_transform(transform: Array) -> Array:
+    """Invert a rigid transform."""
+    turn = transform[:3, :3].T
+    return pose_matrix(turn, -turn @ transform[:3, 3])
+
+
+def body_to_matrix(body: BodyState) -> Array:
+    """Return T_world_body of a body."""
+    return pose_matrix(rotation_of(body.quaternion), body.position)
+
+
+def matrix_to_body(transform: Array) -> BodyState:
+    """Return the body at rest at a pose T_world_body."""
+    return BodyState(transform[:3, 3], quaternion_of(transform[:3, :3]))

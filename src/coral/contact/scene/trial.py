@@ -1,4 +1,10 @@
-"""Trials: poses, masses, frictions and sizes sampled from a task's ranges."""
+"""Trials: poses, masses, frictions and sizes sampled from a task's ranges, and beliefs about them before any answer.
+
+A robot with an advisor sees shapes only. It does not get the ranges of the task file: the truth is sampled from them,
+so their middle would give the answer away. Before the first answer it assumes the same material for everything. The
+author of a hand-written cost knows the task file, ranges included, and tunes the cost with them: that knowledge is part
+of the expert.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
-from coral.contact.scene.joint_motion import joint_motion, move_joint
+from coral.contact.scene.geometry import conjugate, from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
 from coral.contact.scene.mesh import mesh_vertices
 from coral.contact.scene.observation import Array, BodyState
-from coral.contact.scene.shapes import Movable, Shape
+from coral.contact.scene.shapes import Joint, Movable, Shape
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
@@ -20,6 +25,8 @@ SUNK_M = 0.005
 PRESSED_M = 1e-3
 """Touching things may begin this deep in each other."""
 GAP_M = 0.01
+DENSITY_KG_M3, FRICTION = 500.0, 0.5
+"""Density, hollow space included, and friction on a table of an unknown object: light wood, filled packaging."""
 
 
 @dataclass(frozen=True)
@@ -248,3 +255,50 @@ def with_beliefs(trial: Trial, beliefs: Mapping[str, PhysicalParameters]) -> Tri
     """Replace the true masses and frictions of a trial by beliefs."""
     objects = {name: replace(item, physical=beliefs[name]) for name, item in trial.objects.items()}
     return replace(trial, objects=objects)
+
+
+def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
+    """Return the beliefs of a robot that sees only shapes: volume of the box times one density, and one friction."""
+    return {
+        name: PhysicalParameters(mass_kg=DENSITY_KG_M3 * float(np.prod(trial.size(name))), friction=FRICTION)
+        for name in trial.objects
+    }
+
+
+def stated_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
+    """Return the beliefs of an expert's author: the middle of the task file's ranges."""
+    return {
+        item.name: PhysicalParameters(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
+        for item in trial.task.objects
+    }
+
+
+def joint_axis(joint: Joint, pose: BodyState) -> Array:
+    """Compute the joint's axis in the world, a unit vector, Shape=(3,)."""
+    return rotate(pose.quaternion, np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+
+
+def joint_motion(joint: Joint, start: BodyState, body: BodyState) -> float:
+    """Compute how far the joint has moved (rad or m) between two poses of its object, as near as it can."""
+    axis = joint_axis(joint, start)
+    if joint.kind == "slide":
+        return float((body.position - start.position) @ axis)
+    turn = multiply(body.quaternion, conjugate(start.quaternion))
+    angle = 2.0 * np.arctan2(turn[1:] @ axis, turn[0])
+    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def joint_speed(joint: Joint, start: BodyState, body: BodyState) -> float:
+    """Compute the joint's speed (rad/s or m/s) from the velocity of its object."""
+    velocity = body.velocity if joint.kind == "slide" else body.angular_velocity
+    return float(velocity @ joint_axis(joint, start))
+
+
+def move_joint(joint: Joint, pose: BodyState, by: float) -> BodyState:
+    """Compute the pose, at rest, that an object has after its joint has moved by `by` (rad or m)."""
+    axis = joint_axis(joint, pose)
+    if joint.kind == "slide":
+        return BodyState(pose.position + by * axis, pose.quaternion)
+    turn = from_rotvec(axis * by)
+    arm = rotate(pose.quaternion, np.asarray(joint.point))
+    return BodyState(pose.position + arm - rotate(turn, arm), multiply(turn, pose.quaternion))

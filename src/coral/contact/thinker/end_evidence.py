@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coral.contact.plan.stage_end import TRUTH, UNKNOWN, EndPart, PartReading
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.progress_monitor import PlanNote
 from coral.words import is_numeral
 
 END_S = 2.0

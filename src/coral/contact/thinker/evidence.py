@@ -12,7 +12,7 @@ from coral.contact.plan.stage_end import PartReading
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of, to_rotvec
 from coral.contact.scene.observation import Array, BodyState, Observation, Transition
 from coral.contact.thinker.end_evidence import EndEvidence, collect_end
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.progress_monitor import PlanNote
 
 FELT_N = 1.0
 """A force above this is a touch of something."""

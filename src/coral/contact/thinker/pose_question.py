@@ -20,8 +20,8 @@ from coral.contact.scene.geometry import rotate
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.fallback import StandIn, stand_in
 from coral.contact.thinker.scene_facts import pose, rounded, table_facts
+from coral.contact.thinker.think_cfg import StandIn, stand_in
 
 BESIDE_M, BELOW_M = 0.3, 0.02
 """Margin beside the table and below its top within which a centre is accepted."""

@@ -1,4 +1,4 @@
-"""When to replan (section 3.4): counts attempts without progress and keeps the recent history."""
+"""When to replan (section 3.4): counts attempts without progress, and keeps the recent history and what plans said."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ import numpy as np
 from coral.config import Count, Fraction, NonNegative, Positive
 from coral.contact.plan.stage_end import PartReading, StageEnd
 from coral.contact.scene.observation import Array, Transition
-from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import PlanReport
 
 HISTORY_S = 6.0
 """Length of the history that diagnosis and correction use."""
 SURPRISE_TAU_S = 0.97986393046407
 """Time constant of the decay of surprises: 0.96 is kept from plan to plan at the default interval of 0.04 s."""
+FORCE_STEPS = 5
+"""Control steps over which the predicted force is averaged: a contact chatters from step to step."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,3 +157,40 @@ class ProgressMonitor:
         self._expected = (
             {} if expected is None else {name: np.asarray(expected[f"{name}_pos"])[0, 0] for name in report.now.objects}
         )
+
+
+@dataclass(frozen=True)
+class PlanNote:
+    """What is known of one plan of the inner loop."""
+
+    time_s: float
+    stage: str
+    terms: Mapping[str, float]
+    """Expected value of each term of its cost over the horizon."""
+    touched: Mapping[str, tuple[str, ...]]
+    """What the parts of the hand touched, as measured."""
+    expected_force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Force on the hand (N) that the rollouts predict, the mean of the first `FORCE_STEPS` control steps."""
+    sunk_m: Mapping[str, float] = field(default_factory=dict)
+    """How deep (m) the hand was inside each object by the believed poses."""
+    at_edge: float = 0.0
+    """Share of the plan's targets at the edge of the workspace or of the arm's reach."""
+    end: tuple[PartReading, ...] = ()
+    """The comparisons of the condition that ends the stage, in the measured state; () if unknown."""
+
+
+def note_of(report: PlanReport, end: StageEnd | None = None) -> PlanNote:
+    """Return what is kept of a report, with the end of its stage."""
+    plan = report.plan
+    force = plan.expected_force
+    x, y, z = (0.0, 0.0, 0.0) if force is None else np.mean(np.asarray(force)[:FORCE_STEPS], axis=0)
+    return PlanNote(
+        report.now.time_s,
+        report.stage,
+        dict(plan.terms),
+        dict(report.touched),
+        (float(x), float(y), float(z)),
+        dict(report.sunk_m),
+        plan.at_edge,
+        () if end is None or report.present is None else end.read(report.present),
+    )

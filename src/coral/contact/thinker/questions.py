@@ -1,18 +1,25 @@
-"""CoRAL's questions about a scene: physical parameters, plan, contact regions (A.6 to A.10)."""
+"""CoRAL's questions about a scene: physical parameters, plan, contact regions (A.6 to A.10).
+
+One question for all of them is the ablation with a unified VLM (section 4, Table 1). The paper says only that it "uses
+a single multimodal prompt for both perception and planning"; what follows from that is in
+docs/reference/task-questions.md, "Ablations".
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
+from pydantic import Field
+
 from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
-from coral.contact.plan.contact_regions import LIMITS, ReachBox, RegionsAnswer, reach_box
+from coral.contact.plan.contact_regions import LIMITS, ObjectRegions, ReachBox, RegionsAnswer, reach_box
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import stage_beginnings
 from coral.contact.plan.plan_check import judge_plan
@@ -24,16 +31,20 @@ from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
-from coral.contact.thinker.fallback import StandIn, stand_in
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.strategist import NoStrategy
-from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.thinker.unified_question import KIND, UnifiedAnswer, unified_prompt
-from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt, verify_estimates
+from coral.contact.thinker.think_cfg import StandIn, ThinkCfg, stand_in
+from coral.contact.world_model.parameter_estimates import (
+    ParameterEstimate,
+    ParameterEstimates,
+    belief_prompt,
+    verify_estimates,
+)
 
 Emit = Callable[..., None]
+KIND = "unified"
 
 
 class Questions:
@@ -283,3 +294,36 @@ class Questions:
 
 def _round_beliefs(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
     return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}
+
+
+class UnifiedAnswer(PlanAnswer):
+    """A plan together with what it is a plan for.
+
+    Args:
+        parameters: Mass and friction by the objects' names.
+        regions: Where to touch, by the objects' names.
+    """
+
+    parameters: dict[str, ParameterEstimate]
+    regions: dict[str, ObjectRegions] = Field(default_factory=dict)
+
+    @property
+    def estimates(self) -> ParameterEstimates:
+        """Return the estimates in the form of their own question."""
+        return ParameterEstimates(self.parameters)
+
+    @property
+    def places(self) -> RegionsAnswer:
+        """Return the regions in the form of their own question."""
+        return RegionsAnswer(self.regions)
+
+    @property
+    def plan(self) -> PlanAnswer:
+        """Return the plan in the form of its own question."""
+        return PlanAnswer(code=self.code, stages=self.stages, begin=self.begin, explanation=self.explanation)
+
+
+def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return the placeholders of the single question; `history` is what a repair says of the plan that failed."""
+    prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
+    return prompt if history is None else fit_prompt(KIND, {**prompt, **history})

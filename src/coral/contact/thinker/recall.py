@@ -14,8 +14,7 @@ from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Match, Memory, RememberedPlan
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
-from coral.contact.plan.imagined_outcome import ImaginedJudge, ImaginedOutcome
-from coral.contact.plan.imagined_run import imagine
+from coral.contact.plan.imagined_run import ImaginedJudge, ImaginedOutcome, imagine
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import Trial

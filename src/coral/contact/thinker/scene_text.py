@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M, HandCfg
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.facts import ObjectFacts, SceneFacts

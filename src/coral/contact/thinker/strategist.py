@@ -6,16 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.hand_plan import HandPlan
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.perception.advisor_camera import Look
 from coral.contact.scene.observation import BodyState, Observation, Transition
-from coral.contact.scene.prior_beliefs import stated_beliefs
-from coral.contact.scene.trial import Trial
+from coral.contact.scene.trial import Trial, stated_beliefs
 from coral.contact.thinker.thinking_clock import Thinking
 
 

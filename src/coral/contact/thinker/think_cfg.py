@@ -1,15 +1,16 @@
-"""Which parts of the outer loop are enabled, and their thresholds."""
+"""Which parts of the outer loop are enabled, their thresholds, and what stands where the advisor does not decide."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
 from coral.advisor.consult import BudgetCfg
+from coral.advisor.fallback import failed
 from coral.advisor.registry import asks_person
 from coral.config import NonNegative
 from coral.contact.memory.memory import MemoryCfg
-from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
 
@@ -19,6 +20,10 @@ MODEL_S = 600.0
 """A model takes minutes to write and repair a program."""
 DESK_S = 86_400.0
 """A person at the desk may take a day."""
+StandIn = Literal["prior", "hold", "fail"]
+"""prior: prior masses and frictions, no contact regions, and the previous plan are used; without any plan the
+episode ends. hold: the episode ends, and its reason names the open decision; only a plan without regions continues.
+fail: it ends, and its reason names the failure."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,3 +67,29 @@ class ThinkCfg:
 def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
     """Return attempts and time of one decision; a person gets more time than a model."""
     return cfg.within(DESK_S if asks_person(advisor) else MODEL_S)
+
+
+class NoDecision(RuntimeError):
+    """The advisor did not decide, and the chosen policy lets nothing else stand."""
+
+    def __init__(self, policy: StandIn, what: str, failure: str) -> None:
+        self.end_reason = failed(failure) if policy == "fail" else f"no-decision: {what}"
+        why = (
+            "nothing can stand for it"
+            if policy == "prior"
+            else f"the fallback policy {policy!r} lets nothing else decide"
+        )
+        super().__init__(f"the advisor did not decide on the {what} ({failure}), and {why}")
+
+
+def stand_in(emit: Callable[..., None], policy: StandIn, what: str, failure: str, by: str) -> None:
+    """Report that the advisor did not decide and what stands instead: `by`, "" if nothing can.
+
+    Raises:
+        NoDecision: Nothing does.
+    """
+    stands = policy == "prior" and bool(by)
+    who = by if stands else "nobody"
+    emit("fallback", what=what, by=who, because=failure, policy=policy, decided=what, source="fallback")
+    if not stands:
+        raise NoDecision(policy, what, failure)

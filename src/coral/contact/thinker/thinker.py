@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.contact.control.planner_limits import PlannerLimits
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.worker import CostWorker
+from coral.contact.memory.goal_match import scene_numbers
 from coral.contact.memory.memory import Experience, Match, Memory, RememberedPlan
-from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import ABOVE, PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
@@ -27,12 +27,11 @@ from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.correction import CorrectionSchedule, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
-from coral.contact.thinker.history_rows import recent
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.recall import Recall
-from coral.contact.thinker.repair_prompt import repair_values
+from coral.contact.thinker.repair_prompt import recent, repair_values
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking

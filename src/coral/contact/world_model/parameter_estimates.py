@@ -1,4 +1,7 @@
-"""Mass and friction, which no camera shows: estimated by the advisor from the kind of object (section 3.1, A.7)."""
+"""Mass and friction, which no camera shows: estimated by the advisor from the kind of object (section 3.1, A.7).
+
+Or given on the command line: `board=2,0.9;cup=0.2,0.4`.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,15 @@ from pydantic import BaseModel, ConfigDict, RootModel
 
 from coral.advisor.question import Rejection
 from coral.contact.scene.facts import SceneFacts
+from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
+from coral.errors import InputError, nearest
 
 MASS_KG, FRICTION = (0.005, 20.0), (0.02, 2.0)
 """Possible parameters of an object that a hand can move, as in the task format."""
 DENSITY_KG_M3 = (5.0, 12_000.0)
 """Bounds on mass over the volume of the bounding box: above air-filled foam, below lead."""
+FORM = "NAME=MASS,FRICTION, more than one separated by semicolons"
 
 
 class ParameterEstimate(BaseModel):
@@ -94,3 +100,32 @@ def belief_prompt(facts: SceneFacts) -> dict[str, Any]:
             for name, item in facts["objects"].items()
         },
     }
+
+
+def parse_beliefs(text: str, task: Task, where: str = "--believe") -> dict[str, PhysicalParameters]:
+    """Parse the beliefs about a task's objects.
+
+    Raises:
+        InputError: The form is wrong, an object is unknown or repeated, or a value is out of bounds.
+    """
+    names = [item.name for item in task.objects]
+    found: dict[str, PhysicalParameters] = {}
+    for word in (part.strip() for part in text.split(";") if part.strip()):
+        name, _, values = (part.strip() for part in word.partition("="))
+        try:
+            mass, friction = (float(value) for value in values.split(","))
+        except ValueError:
+            raise InputError(where, "", repr(word), FORM) from None
+        if name not in names:
+            raise InputError(
+                where, "", repr(name), f"an object of {task.name}: {', '.join(names)}{nearest(name, names)}"
+            )
+        if name in found:
+            raise InputError(where, "", f"{name!r} twice", "each object once")
+        for what, value, (low, high) in (("mass (kg)", mass, MASS_KG), ("friction", friction, FRICTION)):
+            if not low <= value <= high:
+                raise InputError(where, f"{name}, {what}", value, f"a number from {low:g} to {high:g}")
+        found[name] = PhysicalParameters(mass, friction)
+    if not found:
+        raise InputError(where, "", repr(text), FORM)
+    return found

@@ -12,8 +12,8 @@ import numpy as np
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
+from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.scene.trial import Trial
 from coral.drawing import Image, png, webp_url
 from coral.errors import InputError, RunError

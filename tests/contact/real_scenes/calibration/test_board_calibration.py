@@ -10,8 +10,7 @@ from coral.contact.real_scenes.calibration.board_calibration import (
     calibrate_by_placed_board,
     solve_robot_world,
 )
-from coral.contact.scene.geometry import rotation_from_vector
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_from_vector
 from coral.errors import InputError
 
 

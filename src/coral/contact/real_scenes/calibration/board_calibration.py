@@ -10,9 +10,8 @@ import numpy as np
 from coral.calibration_board import SeenBoard
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
-from coral.contact.scene.geometry import rotation_angle
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_angle
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import InputError
 
 LIMIT_PX = 1.5

@@ -11,9 +11,8 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, Field
 
 from coral.config import Signed, read_model
-from coral.contact.scene.geometry import quaternion_of, rotation_of
+from coral.contact.scene.geometry import pose_matrix, quaternion_of, rotation_of
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.yaml_file import to_yaml
