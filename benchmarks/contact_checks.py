@@ -34,8 +34,8 @@ from coral.contact.cost.context import Context, Cost, Schema, Terms
 from coral.contact.cost_program import CostProgram
 from coral.contact.cost_program.errors import CostError
 from coral.contact.experts import Kind, expert
+from coral.contact.plan.barrier_check import CostFault
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.task_file import suite_tasks

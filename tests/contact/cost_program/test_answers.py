@@ -7,8 +7,7 @@ from coral.contact.cost_program.answers import Ran, WorkerFailure
 
 
 def test_an_answer_is_read_from_its_json():
-    ran = Ran.model_validate_json(b'{"terms": ["a"], "distances": [[3, [4, 5]]]}')
-    assert ran.distances == [(3, (4, 5))]
+    assert Ran.model_validate_json(b'{"terms": ["a"]}').terms == ["a"]
 
 
 @pytest.mark.parametrize("body", [b'{"error": ["a", "b", 1.5, "c"]}', b'{"error": ["a", "b", 1, "c"], "more": 1}'])

@@ -23,10 +23,10 @@ def load(number, source):
     return {"op": "load", "id": number, "source": source, "limits": {}, "schema": SCHEMA}
 
 
-def run(number, traced=False):
+def run(number):
     """A run over two states whose inputs lie at the beginning of the memory, and whose terms come behind them."""
     inputs = [["ee_pos", 0, [1, 2], 3], ["time", 6, [1, 2], 0]]
-    return {"op": "run", "id": number, "shape": [1, 2], "inputs": inputs, "output": 8, "traced": traced}
+    return {"op": "run", "id": number, "shape": [1, 2], "inputs": inputs, "output": 8}
 
 
 @pytest.fixture
@@ -75,16 +75,8 @@ def test_terms_are_written_behind_the_inputs(memory):
     sandbox = Sandbox(memory)
     loaded = sandbox.answer(load(7, 'def state_cost(self):\n    return {"d": norm(self.ee_pos), "t": -self.time}'))
     assert loaded["reads"] == ["ee_pos", "time"]
-    assert sandbox.answer(run(7)) == {"terms": ["d", "t"], "distances": []}
+    assert sandbox.answer(run(7)) == {"terms": ["d", "t"]}
     assert memory[8:12].tolist() == [5.0, 2.0, -0.1, -0.2]
-
-
-def test_a_traced_run_adds_its_distances_behind_the_terms(memory):
-    sandbox = Sandbox(memory)
-    sandbox.answer(load(7, "def state_cost(self):\n    return norm(self.ee_pos) + self.time"))
-    reply = sandbox.answer(run(7, traced=True))
-    assert (reply["terms"], reply["distances"]) == (["cost"], [[2, [1, 2]]])
-    assert memory[8:12].tolist() == [5.1, 2.2, 5.0, 2.0]
 
 
 def test_an_error_is_an_answer_with_its_line(memory):
@@ -118,5 +110,5 @@ def test_the_program_that_was_not_used_for_longest_is_dropped(memory):
 def test_answers_can_be_sent_as_messages(memory):
     sandbox = Sandbox(memory)
     loaded = sandbox.answer(load(1, "def state_cost(self):\n    return norm(self.ee_pos)"))
-    for reply in (loaded, sandbox.answer(run(1, traced=True)), sandbox.answer({})):
+    for reply in (loaded, sandbox.answer(run(1)), sandbox.answer({})):
         assert json.loads(json.dumps(reply)) == reply

@@ -41,14 +41,6 @@ def test_more_programs_than_are_kept_at_a_time_are_all_evaluated(worker, schema,
         assert [sum(term[0, 0] for term in cost(state).values()) for cost in costs] == list(range(KEPT + 3))
 
 
-def test_its_trace_is_that_of_this_process(worker, board, schema, states):
-    state = states(np.random.default_rng(2))
-    there, here = worker.load(board, schema).trace(state), CostProgram(board, schema).trace(state)
-    assert [d.line for d in there.distances] == [d.line for d in here.distances]
-    assert all(np.array_equal(a.value, b.value) for a, b in zip(there.distances, here.distances, strict=True))
-    assert all(np.array_equal(there.terms[name], here.terms[name]) for name in here.terms)
-
-
 def test_a_refusal_comes_back_with_its_line(worker, schema):
     with pytest.raises(CostError) as caught:
         worker.load("def state_cost(self):\n    x = 1\n    import os\n    return x", schema)
@@ -130,15 +122,12 @@ def impostor(*answers):
 
 READY, LOADED = b'{"ready": true, "filtered": true}', b'{"reads": [], "source": "", "dropped": []}'
 NO_RUN = [
-    b'{"terms": ["a"]}',
-    b'{"terms": ["\\ud800"], "distances": []}',
-    b'{"terms": ["\\u001b[2J"], "distances": []}',
-    b'{"terms": ["a"], "lines": {}, "distances": []}',
-    b'{"terms": ["a", "a"], "distances": []}',
-    b'{"terms": ["a"], "distances": [[1e400, [1, 1]]]}',
-    b'{"terms": ["a"], "distances": [[1, [-1, -1]]]}',
-    b'{"terms": ["a"], "distances": [[1, [4611686018427387904, 4]]]}',
-    b'{"terms": ["a"], "distances": [[1, []]]}',
+    b'{"terms": []}',
+    b'{"terms": ["\\ud800"]}',
+    b'{"terms": ["\\u001b[2J"]}',
+    b'{"terms": ["a"], "lines": {}}',
+    b'{"terms": ["a", "a"]}',
+    b'{"terms": [1e400]}',
     b'{"terms": 3}',
     b'{"error": ["made up", "x", 1e400, "z"]}',
     b'{"error": [[], "x", 1, "z"]}',

@@ -7,7 +7,6 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 Whole = Annotated[int, Field(ge=0, le=2**53)]
-Size = Annotated[int, Field(ge=1, le=2**31)]
 
 
 class WorkerAnswer(BaseModel):
@@ -57,8 +56,6 @@ class Ran(WorkerAnswer):
 
     Args:
         terms: Names of the terms.
-        distances: Line of each distance, and the shape of its values.
     """
 
     terms: list[str] = Field(min_length=1)
-    distances: list[tuple[Whole, tuple[Size, Size]]]

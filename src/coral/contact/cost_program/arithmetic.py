@@ -191,7 +191,4 @@ def norm(meter: Meter, value: Value) -> Array:
     """Compute the Euclidean length."""
     vector = components(meter, value)
     prepare(meter, vector)
-    length: Array = np.sqrt(total(meter, vector * vector))
-    if meter.trace is not None:
-        meter.trace.distance(meter.line, length)
-    return length
+    return np.asarray(np.sqrt(total(meter, vector * vector)))

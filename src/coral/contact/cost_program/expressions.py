@@ -45,18 +45,18 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
     """Evaluate an expression."""
     machine.meter.step(node.lineno)
     found = EVALUATORS[type(node)](machine, node)
-    if machine.meter.trace is not None and isinstance(node, ast.BinOp | ast.Call):
+    if machine.meter.watched and isinstance(node, ast.BinOp | ast.Call):
         _watch(machine, node, found)
     return found
 
 
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
     """Record the first expression that is not finite in a state that counts."""
-    trace = machine.meter.trace
-    if trace is not None and trace.lost is None and (is_number(value) or is_vector(value)):
+    meter = machine.meter
+    if meter.lost is None and (is_number(value) or is_vector(value)):
         lost = np.logical_not(np.isfinite(value))
-        if np.any(lost if machine.meter.mask is None else np.logical_and(lost, machine.meter.mask)):
-            trace.lost = (node.lineno, ast.unparse(node)[:80])
+        if np.any(lost if meter.mask is None else np.logical_and(lost, meter.mask)):
+            meter.lost = (node.lineno, ast.unparse(node)[:80])
 
 
 def _attribute(machine: Machine, node: Any) -> Value:
@@ -77,7 +77,7 @@ def _binary(machine: Machine, node: Any) -> Value:
         right = evaluate(machine, link.right)
         machine.meter.step(link.lineno)
         found = operate(machine, link.op, found, right)
-        if machine.meter.trace is not None:
+        if machine.meter.watched:
             _watch(machine, link, found)
     return found
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context
 from coral.contact.cost_program.errors import CostError
-from coral.contact.cost_program.trace import Trace
 
 Mask = NDArray[np.bool_]
 
@@ -61,8 +60,10 @@ class Meter:
     """Operations on single numbers so far."""
     cache: dict[str, NDArray[Any]] = field(default_factory=dict)
     """Quantities read so far."""
-    trace: Trace | None = None
-    """Records for the checks, if enabled."""
+    watched: bool = False
+    """Whether to record where a value stops being finite."""
+    lost: tuple[int, str] | None = None
+    """Line and text of the first expression that was not finite in some state in which it counted."""
 
     def step(self, line: int) -> None:
         """Count one node of the syntax tree."""

@@ -15,7 +15,6 @@ from coral.contact.cost_program.limits import LimitsCfg, Meter
 from coral.contact.cost_program.machine import Machine, filled
 from coral.contact.cost_program.parse import Parsed, parse
 from coral.contact.cost_program.statements import own_names, run_block
-from coral.contact.cost_program.trace import Trace, Traced
 from coral.contact.cost_program.values import Function, Scope, State, Value, is_number, kind
 
 
@@ -73,18 +72,17 @@ class CostProgram:
         Raises:
             CostError: The cost cannot be evaluated on this batch, or is not finite.
         """
-        terms = self.evaluate(state)
+        terms = self._evaluate(Meter(state, self.limits))
         if not np.isfinite(sum(terms.values())).all():
             raise self.not_finite(state)
         return terms
 
-    def evaluate(self, state: Context, trace: Trace | None = None) -> Terms:
+    def _evaluate(self, meter: Meter) -> Terms:
         """Return the terms of every state, finite or not.
 
         Raises:
             CostError: The cost cannot be evaluated on this batch.
         """
-        meter = Meter(state, self.limits, trace=trace)
         try:
             with np.errstate(all="ignore"):
                 return self._run(meter)
@@ -95,22 +93,13 @@ class CostProgram:
         except MemoryError:
             raise CostError("memory", "the program needs too much memory", meter.line, self.line(meter.line)) from None
 
-    def trace(self, state: Context) -> Traced:
-        """Return the terms and the distances that were computed, finite or not.
-
-        Raises:
-            CostError: The cost cannot be evaluated on this batch.
-        """
-        trace = Trace()
-        return Traced(self.evaluate(state, trace), trace.distances)
-
     def not_finite(self, state: Context) -> CostError:
         """Make the error that names where the cost stops being finite."""
-        trace = Trace()
-        self.evaluate(state, trace)
-        if trace.lost is None:
+        meter = Meter(state, self.limits, watched=True)
+        self._evaluate(meter)
+        if meter.lost is None:
             return CostError("not_finite", "the cost is nan or infinite in some state")
-        line, text = trace.lost
+        line, text = meter.lost
         return CostError(
             "not_finite",
             f"`{text}` is nan or infinite in some state; guard divisions, logarithms, roots "

@@ -26,7 +26,6 @@ from coral.contact.cost_program import seccomp
 from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.program import CostProgram
-from coral.contact.cost_program.trace import Trace
 
 HEADER = struct.Struct("<I")
 LONGEST_MESSAGE = 1 << 20
@@ -117,17 +116,11 @@ class Sandbox:
             for name, offset, shape, size in request["inputs"]
         }
         k, h = request["shape"]
-        context = Context(values, (k, h))
-        trace = Trace()
-        terms = program.evaluate(context, trace) if request["traced"] else program(context)
+        terms = program(Context(values, (k, h)))
         end = int(request["output"])
         for term in terms.values():
             end = self._put(end, term)
-        distances = []
-        for distance in trace.distances:
-            distances.append([distance.line, list(distance.value.shape)])
-            end = self._put(end, distance.value)
-        return {"terms": list(terms), "distances": distances}
+        return {"terms": list(terms)}
 
     def _view(self, offset: int, shape: list[int], vector: bool) -> NDArray[np.float64]:
         view = self.memory[offset : offset + math.prod(shape)].reshape(shape)
@@ -192,7 +185,6 @@ def main() -> None:
             "id": 0,
             "shape": [1, 1],
             "output": 16,
-            "traced": False,
             "inputs": [["ee_pos", 0, [1, 1], 3], ["time", 8, [1, 1], 0]],
         }
     )

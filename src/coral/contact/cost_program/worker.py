@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Schema, Terms
 from coral.contact.cost_program.answers import Loaded, Ran, Ready, WorkerAnswer, WorkerFailure
-from coral.contact.cost_program.errors import CODES, CostError, is_term_name, line_of, printable
+from coral.contact.cost_program.errors import CODES, CostError, is_term_name, printable
 from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Request
 from coral.contact.cost_program.seccomp import MACHINES
-from coral.contact.cost_program.trace import Distance, Traced
 from coral.errors import InputError
 
 START = "from coral.contact.cost_program.sandbox import main; main()"
@@ -115,10 +114,10 @@ class CostWorker:
         self._loaded.add(cost.number)
         return loaded
 
-    def _evaluate(self, cost: WorkerCost, state: Context, traced: bool) -> tuple[Ran, int]:
+    def _evaluate(self, cost: WorkerCost, state: Context) -> tuple[Ran, int]:
         sizes = {name: math.prod(state[name].shape) for name in cost.reads if name in state}
         inputs = sum(sizes.values())
-        room = (self.cfg.limits.terms + (300 if traced else 1)) * math.prod(state.shape)
+        room = (self.cfg.limits.terms + 1) * math.prod(state.shape)
         needed = 8 * (inputs + room)
         if needed > self._shared_bytes:
             self._stop()
@@ -137,33 +136,26 @@ class CostWorker:
             listed.append([name, offset, list(values.shape[:2]), size])
             offset += values.size
         run = {"op": "run", "id": cost.number, "shape": list(state.shape), "inputs": listed, "output": offset}
-        return self._ask(Ran, {**run, "traced": traced}), offset
+        return self._ask(Ran, run), offset
 
-    def run(self, cost: WorkerCost, state: Context, traced: bool = False) -> Traced:
-        """Evaluate a program; `traced` records the distances, and the terms need not be finite then.
+    def run(self, cost: WorkerCost, state: Context) -> Terms:
+        """Evaluate a program.
 
         Raises:
             CostError: The program cannot be evaluated, is not finite, or killed its process.
         """
         with self._lock:
-            ran, offset = self._evaluate(cost, state, traced)
+            ran, offset = self._evaluate(cost, state)
             names = ran.terms
             if len(set(names)) < len(names) or len(names) > self.cfg.limits.terms or not all(map(is_term_name, names)):
                 raise self._taken_over()
             terms: Terms = {}
             for name in names:
-                terms[name], offset = self._copy_shared(offset, state.shape)
-            distances = []
-            for line, shape in ran.distances:
-                value, offset = self._copy_shared(offset, shape)
-                distances.append(Distance(line, value))
-            return Traced(terms, distances)
-
-    def _copy_shared(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
-        end = offset + math.prod(shape)
-        if end > self._memory.size:
-            raise self._taken_over()
-        return self._memory[offset:end].reshape(shape).copy(), end
+                end = offset + math.prod(state.shape)
+                if end > self._memory.size:
+                    raise self._taken_over()
+                terms[name], offset = self._memory[offset:end].reshape(state.shape).copy(), end
+            return terms
 
     def _start(self) -> None:
         if self._process is not None and self._process.poll() is None:
@@ -301,22 +293,10 @@ class WorkerCost:
         Raises:
             CostError: It cannot be evaluated, is not finite, or took its process down.
         """
-        terms = self.worker.run(self, state).terms
+        terms = self.worker.run(self, state)
         if not all(np.isfinite(term).all() for term in terms.values()):
             raise CostError("not_finite", "the cost is nan or infinite in some state")
         return terms
-
-    def trace(self, state: Context) -> Traced:
-        """Return the terms and the distances that were computed in a small batch.
-
-        Raises:
-            CostError: As for a call.
-        """
-        return self.worker.run(self, state, traced=True)
-
-    def line(self, number: int) -> str:
-        """Return the text of a line."""
-        return line_of(self.source, number)
 
 
 def _unnamed_file(size: int) -> int:

@@ -7,6 +7,7 @@ rise is no barrier, since a stand-off may be intended.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import DIRECTIONS, STRIDES, Attraction, at_rest, cost_at, descend, total_cost
-from coral.contact.plan.cost_fault import CostFault
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 
 SPACING_M = 0.004
@@ -43,6 +43,22 @@ TURNS: tuple[Array, ...] = tuple(
     for heading in (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4, np.pi, -np.pi / 2)
 )
 """Orientations of the hand: the palm down and level, at several headings."""
+
+
+@dataclass(frozen=True)
+class CostFault:
+    """One fault of a cost."""
+
+    code: str
+    """One of `coral.contact.cost_program.CODES`."""
+    line: int
+    """Line of the program; 0 if the fault is in no single line."""
+    reason: str
+    """A sentence for the author of the cost."""
+    fatal: bool = True
+    """Whether the fault forbids using the cost."""
+    stage: str = ""
+    """Stage of the plan; "" if the fault is in none, or the cost is alone."""
 
 
 def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -> list[CostFault]:

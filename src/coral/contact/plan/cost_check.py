@@ -18,8 +18,7 @@ from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import Attraction, at_rest, follow_cost, total_cost
-from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
-from coral.contact.plan.cost_fault import CostFault, Traceable, quoted
+from coral.contact.plan.barrier_check import CostFault, gate_barriers, touch_barriers
 from coral.contact.scene.geometry import rotation_of
 
 STATES = 200
@@ -63,7 +62,7 @@ def verify_approach(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
         return [
             *gate_barriers(cost, values, attraction),
             *touch_barriers(cost, pooled(samples, STATES), attraction),
-            *unreachable(cost, values, attraction),
+            *unreachable(values, attraction),
         ]
     except CostError as error:
         if error.code == "not_finite":  # at a place where no sampled motion has been
@@ -129,28 +128,26 @@ def _idle_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     return faults
 
 
-def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -> list[CostFault]:
+def unreachable(values: Mapping[str, Any], attraction: Attraction) -> list[CostFault]:
     """Return a note for each body inside which the cost leads the hand (the first pitfall).
 
     The planner copes with such a cost: the hand presses against the surface. A condition that waits for the hand to
     arrive never holds, though, so the author learns how deep the place lies, and in what.
     """
     found: dict[str, list[float]] = {}
-    inside = [containing_body(values, end) for end in attraction.ends]
-    for body, depth in inside:
+    for body, depth in (containing_body(values, end) for end in attraction.ends):
         if body:
             found.setdefault(body, []).append(depth)
     notes = []
     for body, depths in found.items():
         if 2 * len(depths) <= len(attraction.ends):
             continue
-        line = _line_of_target(cost, values, attraction, np.array([name == body for name, _ in inside]))
         reason = (
-            f"{quoted(cost, line)}the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
+            f"the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
             f"which it cannot enter: it will press against the surface and stop there; aim at the surface, and "
             f"let no condition wait for the hand to come nearer than {np.median(depths) + REACH_M:.2f} m"
         )
-        notes.append(CostFault("unreachable", line, reason, fatal=False))
+        notes.append(CostFault("unreachable", 0, reason, fatal=False))
     return notes
 
 
@@ -175,13 +172,3 @@ def containing_body(values: Mapping[str, Any], point: Array) -> tuple[str, float
         if depth > deepest and point[2] > low[2]:
             deepest, name = depth, TABLE
     return name, deepest
-
-
-def _line_of_target(cost: Cost, values: Mapping[str, Any], attraction: Attraction, which: Array) -> int:
-    """Return the line of the distance that vanishes where the cost leads the hand; 0 if none does."""
-    if not isinstance(cost, Traceable):
-        return 0
-    ends = attraction.ends[which]
-    traced = cost.trace(Context({**values, "ee_pos": ends[:, None, :]}, (len(ends), 1)))
-    near = [(float(np.median(item.value)), item.line) for item in traced.distances]
-    return min(near)[1] if near and min(near)[0] < 0.01 else 0

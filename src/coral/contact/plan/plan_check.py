@@ -9,8 +9,8 @@ from coral.advisor.question import Rejection
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.cost.context import Context, Schema
 from coral.contact.cost_program import CostError
+from coral.contact.plan.barrier_check import CostFault
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, StageAnswer, compile_stage, in_process
 
 STIFFNESS_N_M = (50.0, 3000.0)
