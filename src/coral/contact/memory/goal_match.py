@@ -40,18 +40,12 @@ FITS_HAND_M = MAX_OPENING_M - 0.004
 HELD = frozenset({"grasped", "lifted", "inserted", "at-object"})
 """Kinds of goals for which a plan usually grasps the object."""
 FIXED_THINGS = frozenset({"table", "hand", "robot"})
-MAGNITUDES = frozenset({"height_m", "newtons", "distance_m", "depth_m", "speed_m_s"})
+MAGNITUDES = ("height_m", "newtons", "distance_m", "depth_m", "speed_m_s")
 """Numbers of goals whose size changes the plan; tolerances and durations do not."""
-
-
+FACTORS = {"mass_kg": 10.0, "friction": 4.0, **dict.fromkeys(MAGNITUDES, 4.0)}
+"""Largest factor between two masses, two frictions, and two of these numbers."""
 SIZE_FACTOR = 2.5
 """Largest factor between two extents. A plan is adapted to other sizes, and tried before it is used."""
-MASS_FACTOR = 10.0
-"""Largest factor between two masses."""
-FRICTION_FACTOR = 4.0
-"""Largest factor between two frictions."""
-NUMBER_FACTOR = 4.0
-"""Largest factor between two heights, distances, depths, forces or speeds of the goals."""
 PLACE_M = 0.5
 """Largest distance between two places, or two fixtures, that the goals name."""
 
@@ -178,42 +172,28 @@ def _agree_on_strict(before: Sequence[Goal], after: Sequence[Goal], names: Mappi
 def scene_numbers(facts: SceneFacts) -> dict[str, float]:
     """Return the numbers of a scene by name; things are numbered in the order in which the goals name them.
 
-    For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.z` (m), `.mass_kg`, `.friction`,
-    `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures, and `place.NAME.low.0` and `.high.0` for the faces of a
-    fixture that is not turned; `goal.KIND.objectk.FIELD`; `number.NAME` of the task.
+    For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.mass_kg`, `.friction`, `.joint`;
+    `place.NAME.0` to `.2` (m) of places and fixtures; `goal.KIND.objectk.FIELD`.
     """
     found: dict[str, float] = {}
     order = {name: f"object{index}" for index, name in enumerate(roles(facts["goals"]))}
     for name, key in order.items():
-        item = facts["objects"].get(name)
-        if item is not None:
-            rotation = rotation_of(np.asarray(item["pose"][3:]))
-            found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
-            found[f"{key}.up"] = float(np.argmax(np.abs(rotation[2])))
-            found[f"{key}.z"] = float(item["pose"][2])
-            found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
-            if "joint" in item:
-                found[f"{key}.joint"] = float(item["joint"]["now"])
-        elif name in facts["fixtures"]:
-            found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(facts["fixtures"][name]["size_m"])}
+        item: Mapping[str, Any] = facts["objects"].get(name) or facts["fixtures"].get(name) or {}
+        found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item.get("size_m", ()))}
+        found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
+        if "pose" in item:
+            found[f"{key}.up"] = float(np.argmax(np.abs(rotation_of(np.asarray(item["pose"][3:]))[2])))
+        if "joint" in item:
+            found[f"{key}.joint"] = float(item["joint"]["now"])
     for goal in facts["goals"]:
-        for field, value in _magnitudes(goal):
-            found.setdefault(f"goal.{goal['kind']}.{order.get(goal['object'], goal['object'])}.{field}", value)
-    found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
-    for name, fixture in facts["fixtures"].items():
-        for k, (middle, size) in enumerate(zip(fixture["position"], fixture["size_m"], strict=True)):
-            found[f"place.{name}.{k}"] = float(middle)
-            found[f"place.{name}.low.{k}"] = round(middle - size / 2, 5)
-            found[f"place.{name}.high.{k}"] = round(middle + size / 2, 5)
-    for name, place in facts["places"].items():
+        for field in MAGNITUDES:
+            if goal.get(field) is not None:
+                key = f"goal.{goal['kind']}.{order.get(goal['object'], goal['object'])}.{field}"
+                found.setdefault(key, float(goal[field]))
+    fixed = {name: item["position"] for name, item in facts["fixtures"].items()}
+    for name, place in {**fixed, **facts["places"]}.items():
         found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
     return found
-
-
-def _magnitudes(goal: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    for field, value in goal.items():
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            yield field, float(value)
 
 
 def roles(goals: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -266,24 +246,14 @@ def scene_distance(one: Mapping[str, float], other: Mapping[str, float], places:
     worst = 0.0
     for key in set(one) & set(other):
         a, b, field = one[key], other[key], key.rsplit(".", 1)[-1]
+        factor = SIZE_FACTOR if ".size." in key else FACTORS.get(field)
         if key.startswith("place."):
             worst = max(worst, abs(a - b) / PLACE_M if key.split(".")[1] in places else 0.0)
         elif field == "up":
             worst = max(worst, 0.0 if a == b else math.inf)
-        else:
-            factor = _limit(key, field)
-            if factor is None or a == b:
-                continue
+        elif factor is not None and a != b:
             worst = max(worst, abs(math.log(a / b)) / math.log(factor) if a > 0 and b > 0 else math.inf)
     return worst
-
-
-def _limit(key: str, field: str) -> float | None:
-    if ".size." in key:
-        return SIZE_FACTOR
-    if key.startswith("goal."):
-        return NUMBER_FACTOR if field in MAGNITUDES else None
-    return {"mass_kg": MASS_FACTOR, "friction": FRICTION_FACTOR}.get(field)
 
 
 def fits_hand(numbers: Mapping[str, float], key: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,7 +22,7 @@ from coral.contact.memory.goal_match import (
     scene_numbers,
     translate_numbers,
 )
-from coral.contact.memory.store_sqlite import SqliteStore
+from coral.contact.memory.store_sqlite import Row, SqliteStore
 from coral.contact.memory.wording import DEFAULT, Embedder, Vector, contradict, embedder_of
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
@@ -70,21 +70,11 @@ class Experience(BaseModel):
         return goals
 
 
-@dataclass(frozen=True)
-class Stored:
-    """An experience in the memory, with the number of its uses and of the uses that ended in success."""
+@dataclass(frozen=True, kw_only=True)
+class Stored(Row):
+    """An experience in the memory: a row whose record was read."""
 
-    id: int
-    created: str
-    """Time of storage, UTC."""
     experience: Experience
-    used: int
-    helped: int
-    """Number of uses, and number of uses that ended in success."""
-    embedder: str
-    """Name of the embedder of the vector."""
-    vector: Vector = field(compare=False, repr=False)
-    """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
 
     @property
     def success_rate(self) -> float:
@@ -155,7 +145,7 @@ class Memory:
                 experience = Experience.model_validate_json(row.record)
             except ValidationError:
                 continue  # written by another version: stays in the store, unused
-            found.append(Stored(row.id, row.created, experience, row.used, row.helped, row.embedder, row.vector))
+            found.append(Stored(**vars(row), experience=experience))
         return found
 
     def get(self, number: int) -> Stored:
