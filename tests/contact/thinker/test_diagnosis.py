@@ -24,7 +24,19 @@ def moving_aside(k):
 
 
 def felt(newtons, steps=10, box=BOX, returns=0, surprise_m=0.0, **more):
-    return diagnose(history(steps, box=box, force=(newtons, 0.0, 0.0), **more), "box", returns, surprise_m)
+    """What is found of a force on the hand, which is the object's and as predicted."""
+    force = (newtons, 0.0, 0.0)
+    steps = history(steps, box=box, force=force, **more)
+    notes = [replace(note, expected_force=force) for note in plans(steps, *(["box"] if newtons else []))]
+    return judged(steps, notes, returns, surprise_m)
+
+
+def judged(steps, notes, returns=0, surprise_m=0.0):
+    return diagnose(steps, "box", returns, surprise_m, collect_evidence(steps, notes, "box", np.full(3, 0.06)))
+
+
+def plans(steps, *touched):
+    return [PlanNote(step.after.time_s, "reach", {}, {"hand": touched}) for step in steps[::4]]
 
 
 @pytest.mark.parametrize(
@@ -47,8 +59,8 @@ def test_a_failure_is_told_by_what_was_felt_and_what_moved(newtons, more, kind):
 
 
 def test_without_a_history_there_is_no_progress():
-    assert diagnose([], "box", 0, 0.1) == "no-progress"
-    assert diagnose([], "box", 2, 0.1) == "slipped"
+    assert diagnose([], "box", 0, 0.1, None) == "no-progress"
+    assert diagnose([], "box", 2, 0.1, None) == "slipped"
 
 
 def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost():
@@ -92,14 +104,6 @@ def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_tha
     assert felt(35.0, steps=110, told=AHEAD, surprise_m=0.1, box=sliding(1.0)) == "moved-otherwise"
     assert felt(3.0, steps=110, told=AHEAD) == "not-moved"
     assert felt(35.0, steps=20, told=AHEAD) == "not-moved"
-
-
-def judged(steps, notes, returns=0):
-    return diagnose(steps, "box", returns, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06)))
-
-
-def plans(steps, *touched):
-    return [PlanNote(step.after.time_s, "reach", {}, {"hand": touched}) for step in steps[::4]]
 
 
 def test_a_hand_that_went_away_untouched_is_told_of_a_wrong_sign():

@@ -95,29 +95,29 @@ SUNK_PLANS = 0.05
 
 
 def diagnose(
-    steps: Sequence[Transition], name: str, returns: int, surprise_m: float, evidence: Evidence | None = None
+    steps: Sequence[Transition], name: str, returns: int, surprise_m: float, evidence: Evidence | None
 ) -> Diagnosis:
     """Diagnose the last part of an episode, in which the plan fell back so many times (`returns`) to an earlier stage.
 
     `surprise_m` is the distance between the object and its predicted position after one step, summed over a second.
-    Without evidence, what the record says besides, the steps alone are judged.
+    `evidence` is what the record of these steps says; None without a step.
     """
-    if not steps:
+    if evidence is None:
         return "slipped" if returns >= 2 else "no-progress"
-    if evidence is not None and _contradicts_the_pose(evidence):
+    if _contradicts_the_pose(evidence):
         return "pose-wrong"
     if returns >= 2:
         return "slipped"
-    if evidence is not None and _feels_the_unpredicted(evidence):
+    if _feels_the_unpredicted(evidence):
         return "pose-wrong"
-    if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
+    if evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
-    if evidence is not None and _never_closed(evidence):
+    if _never_closed(evidence):
         return "not-gripped"
-    if evidence is not None and evidence.end.misses_by_little and _rests(_late(steps)):
+    if evidence.end.misses_by_little and _rests(_late(steps)):
         return "stage-never-ends"  # it may press on what keeps it from the last millimetres
     if _is_settled(steps):
-        if evidence is not None and _ends_wrongly(evidence):
+        if _ends_wrongly(evidence):
             return "stage-never-ends"
         if not _presses_in_vain(evidence):
             return "settled"
@@ -127,14 +127,12 @@ def diagnose(
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
         return "moved-otherwise"
-    if felt.max() < FELT_NOTHING_N or (evidence is not None and _only_brushed(steps, evidence)):
-        if evidence is not None and not evidence.touched:
-            if evidence.last_m > evidence.first_m + LOST_M:
-                return "led-away"
-            if _is_held_back(steps):
-                return "out-of-reach"
-        return "not-reached"
-    if evidence is not None and not evidence.touched:
+    touched = felt.max() >= FELT_NOTHING_N and not _only_brushed(steps, evidence)
+    if not touched and not evidence.touched and evidence.last_m > evidence.first_m + LOST_M:
+        return "led-away"
+    if not touched and not evidence.touched and _is_held_back(steps):
+        return "out-of-reach"
+    if not touched or not evidence.touched:
         return "not-reached"  # what it felt was something else
     if moved < STILL_M and felt.mean() > 1.0:
         return "not-moved"
@@ -212,11 +210,9 @@ def _only_brushed(steps: Sequence[Transition], evidence: Evidence) -> bool:
     return evidence.touched < BRUSHED and evidence.last_m > AT_OBJECT_M and bool(max(late) < FELT_NOTHING_N)
 
 
-def _presses_in_vain(evidence: Evidence | None) -> bool:
+def _presses_in_vain(evidence: Evidence) -> bool:
     """Check whether the hand has pressed on the object for most of the record, and it hardly moved."""
-    return evidence is not None and (
-        evidence.touched >= 0.5 and evidence.force_mean_n > 1.0 and evidence.moved_m < STILL_M
-    )
+    return evidence.touched >= 0.5 and evidence.force_mean_n > 1.0 and evidence.moved_m < STILL_M
 
 
 def _is_held_back(steps: Sequence[Transition]) -> bool:
