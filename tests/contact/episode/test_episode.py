@@ -208,7 +208,7 @@ def test_a_strategist_is_not_told_the_true_masses_and_frictions(run):
 
 def test_a_strategist_is_told_the_limits_of_this_run_s_planner(run):
     class Author(FixedStrategist):
-        def attach_planner(self, limits):
+        def attach(self, thinking, emit, limits, look, above):
             self.limits = limits
 
     author = Author(strategy())

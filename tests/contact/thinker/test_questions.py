@@ -28,6 +28,10 @@ CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 SIDE = {"center": (0.0, 0.0, 0.5), "normal": (0.0, 0.0, 1.0)}
 
 
+def limits():
+    return PlannerLimits(ControllerCfg(), 0.04, 0.08, arm=True)
+
+
 class Careless:
     """The default advisor, whose first so many plans read what the state does not have."""
 
@@ -67,7 +71,7 @@ def ask(scene):
             ThinkCfg(**cfg),
             in_process,
             lambda event, **fields: told.append((event, fields)),
-            lambda: PlannerLimits(ControllerCfg(), 0.04, 0.08, arm=True),
+            limits,
         )
         questions.update_facts(one.now, believed=False)
         return one, questions, told
@@ -300,7 +304,7 @@ def ask_all(scene):
 
     def run(advisor, wrong_plan=lambda answer: None, history=None, **cfg):
         asker = Asker(advisor)
-        questions = Questions(asker, one.trial, one.world, ThinkCfg(**cfg), in_process, lambda *_, **__: None)
+        questions = Questions(asker, one.trial, one.world, ThinkCfg(**cfg), in_process, lambda *_, **__: None, limits)
         questions.update_facts(one.now)
         questions.check_plan = lambda plan, now: wrong_plan(plan)
         try:

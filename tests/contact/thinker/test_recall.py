@@ -9,6 +9,8 @@ from recorded import RULES, compose
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
+from coral.contact.control.hand_controllers import PlannerLimits
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.memory.memory import Memory, MemoryCfg, RememberedPlan
 from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process, make_strategy
@@ -32,7 +34,10 @@ def choose(one, memory, outcomes=(), **cfg):
     """The chosen plan, the events, and what was tried; outcomes, if any, take the place of checks and runs."""
     think = ThinkCfg(memory=MemoryCfg(**cfg))
     told, tried, left = [], [], list(outcomes)
-    questions = Questions(Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None)
+    limits = lambda: PlannerLimits(ControllerCfg(), 0.04, 0.08)  # noqa: E731
+    questions = Questions(
+        Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None, limits
+    )
     questions.update_facts(one.now)
     recall = Recall(questions, one.trial, one.world, think, in_process)
 

@@ -8,7 +8,9 @@ from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
+from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.hand_plan import HandPlan
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError
@@ -44,7 +46,13 @@ def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
         provenance={"world": "hand", "seed": 0},
         given=given,
     )
-    strategist.attach_log(lambda event, **fields: told.append((event, fields)))
+    strategist.attach(
+        strategist.asker.clock.thinking,
+        lambda event, **fields: told.append((event, fields)),
+        lambda: PlannerLimits(ControllerCfg(), 0.04, 0.08),
+        lambda: None,
+        lambda: None,
+    )
     return strategist, told
 
 

@@ -436,10 +436,7 @@ class Episode:
     def _begin(self) -> None:
         cfg = self.cfg
         self._emit_start()
-        self.strategist.attach_log(self.emit)
-        self.strategist.attach_camera(self.look, self.look_down)
-        self.strategist.attach_episode(self)
-        self.strategist.attach_planner(self.planner_limits)
+        self.strategist.attach(self, self.emit, self.planner_limits, self.look, self.look_down)
         self.now = self.world.reset()
         self.t = self.now.time_s
         if self.guessed is not None:

@@ -15,7 +15,6 @@ from pydantic import Field
 from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
 from coral.contact.control.hand_controllers import PlannerLimits
-from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
@@ -64,7 +63,7 @@ class Questions:
         cfg: ThinkCfg,
         load: Loader,
         emit: Emit,
-        limits: Callable[[], PlannerLimits] | None = None,
+        limits: Callable[[], PlannerLimits],
     ) -> None:
         self.facts: SceneFacts
         self.sizes = {name: trial.size(name) for name in trial.objects}
@@ -72,9 +71,7 @@ class Questions:
         self.diagnoses: list[Diagnosis] = []
         self.stood_in: set[str] = set()
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
-        self.load, self._emit = load, emit
-        step_s = world.cfg.step_s
-        self._limits = limits or (lambda: PlannerLimits(ControllerCfg(), step_s, 2 * step_s))
+        self.load, self._emit, self._limits = load, emit, limits
         self._unanswered = ""
         self.advice: tuple[str, ...] = ()
 

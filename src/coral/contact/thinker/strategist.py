@@ -72,20 +72,19 @@ class Strategist(Protocol):
         The trial's poses must not be read, and `first` is without any object.
         """
 
-    def attach_log(self, emit: Callable[..., None]) -> None:
-        """Attach the run's log: `emit(event, **fields)` appends an event."""
-        return
+    def attach(
+        self,
+        thinking: Thinking,
+        emit: Callable[..., None],
+        limits: Callable[[], PlannerLimits],
+        look: Look,
+        above: Look,
+    ) -> None:
+        """Attach the episode, which continues while an advisor answers.
 
-    def attach_camera(self, look: Look, above: Look) -> None:
-        """Attach the camera whose pictures are added to questions, and the one that stands above the table."""
-        return
-
-    def attach_episode(self, thinking: Thinking) -> None:
-        """Attach the episode, which continues while an advisor answers."""
-        return
-
-    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
-        """Attach the source of the present limits of the planner, for questions about a plan."""
+        `emit(event, **fields)` appends an event to the run's log; `limits` gives the present limits of the planner, for
+        questions about a plan; `look` and `above` take the pictures that are added to questions.
+        """
         return
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:

@@ -68,7 +68,7 @@ class Thinker:
         self.asker, self.cfg, self.memory = asker, cfg, memory
         self._rng, self._load = rng, load
         self._provenance = dict(provenance or {})
-        self._emit: Callable[..., None] = lambda event, **fields: None
+        self._emit: Callable[..., None]
         self._given = dict(given or {})
         self._worker = worker or CostWorker()  # its process starts with the first program
         self._correction_schedule = CorrectionSchedule(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0)
@@ -89,25 +89,13 @@ class Thinker:
         self._regions = RegionsAnswer({})
         self._questions: Questions
         self._monitor: ProgressMonitor
-        self._camera: Look = lambda: None
-        self._limits: Callable[[], PlannerLimits] | None = None
+        self._camera: Look
+        self._limits: Callable[[], PlannerLimits]
 
     @property
     def counts(self) -> StrategistCounts:
         """See `Strategist.counts`."""
         return StrategistCounts(self.asker.calls, self._repairs, self._match is not None)
-
-    def attach_log(self, emit: Callable[..., None]) -> None:
-        """See `Strategist.attach_log`."""
-        self._emit = self.asker.emit = emit
-
-    def attach_episode(self, thinking: Thinking) -> None:
-        """See `Strategist.attach_episode`."""
-        self.asker.clock.thinking = thinking
-
-    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
-        """See `Strategist.attach_planner`."""
-        self._limits = limits
 
     @property
     def _diagnosed_by_model(self) -> bool:
@@ -119,9 +107,15 @@ class Thinker:
         """See `Strategist.guesses_poses`."""
         return not self.cfg.tracking
 
-    def attach_camera(self, look: Look, above: Look = lambda: None) -> None:
-        """See `Strategist.attach_camera`."""
-        self._camera = look
+    def attach(
+        self,
+        thinking: Thinking,
+        emit: Callable[..., None],
+        limits: Callable[[], PlannerLimits],
+        look: Look,
+        above: Look,
+    ) -> None:
+        """See `Strategist.attach`."""
 
         def take(labels: PictureLabels | None) -> tuple[Picture, ...]:
             frame = look()
@@ -133,7 +127,9 @@ class Thinker:
             from_above = () if top is None else (label_picture(top, labels, "above", ABOVE),)
             return (label_picture(frame, labels), *from_above)
 
-        self.asker.pictures = take
+        self._emit = self.asker.emit = emit
+        self._limits, self._camera = limits, look
+        self.asker.clock.thinking, self.asker.pictures = thinking, take
 
     def guess_poses(self, trial: Trial, first: Observation) -> dict[str, BodyState]:
         """See `Strategist.guess_poses`."""
