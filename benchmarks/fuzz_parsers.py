@@ -83,7 +83,7 @@ def parsers() -> dict[str, Parser]:
     from coral.advisor.question import BadAnswer
     from coral.advisor.replay import ReplayAdvisor
     from coral.config import read_config
-    from coral.contact.cost_program import CostError, LimitsCfg
+    from coral.contact.cost_program import CostError
     from coral.contact.cost_program.parse import parse as parse_cost
     from coral.contact.episode.own_cost import read_cost_file
     from coral.contact.libero.problem import read_problem
@@ -158,7 +158,7 @@ def parsers() -> dict[str, Parser]:
         ),
         "cost file": Parser(read_cost_file, (b"code: |\n  " + cost.replace(b"\n", b"\n  "),), suffix=".yaml"),
         "cost program": Parser(
-            lambda path: parse_cost(path.read_bytes().decode("utf-8", "replace"), LimitsCfg()), (cost,), (CostError,)
+            lambda path: parse_cost(path.read_bytes().decode("utf-8", "replace")), (cost,), (CostError,)
         ),
         "problem": Parser(read_problem, (PROBLEM,), suffix=".bddl"),
         "policy message": Parser(

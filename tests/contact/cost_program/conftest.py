@@ -7,14 +7,14 @@ import pytest
 from cost_oracles import board, plainly, schema, states  # noqa: F401
 
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostError, CostProgram, LimitsCfg
+from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.limits import Meter
 
 
 @pytest.fixture
 def meter():
     """An evaluation over two states that reads no quantity."""
-    return Meter(Context({}, (1, 2)), LimitsCfg())
+    return Meter(Context({}, (1, 2)))
 
 
 def _function(body):

@@ -3,28 +3,27 @@
 import pytest
 
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostError, LimitsCfg
-from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.limits import MOST_ARRAYS, MOST_STEPS, Meter
 
 
-def make(**limits):
-    return Meter(Context({}, (1, 1)), LimitsCfg(**limits))
+@pytest.fixture
+def meter():
+    return Meter(Context({}, (1, 1)))
 
 
-def test_the_step_beyond_the_limit_is_refused_with_its_line():
-    meter = make(steps=2)
-    meter.step(4)
-    meter.step(5)
-    with pytest.raises(CostError, match="more than 2 steps") as caught:
+def test_the_step_beyond_the_limit_is_refused_with_its_line(meter):
+    for _ in range(MOST_STEPS):
+        meter.step(5)
+    with pytest.raises(CostError, match="more than 20000 steps") as caught:
         meter.step(7)
     assert (caught.value.code, caught.value.line) == ("steps", 7)
 
 
-def test_the_array_beyond_the_limit_is_refused_before_it_is_made():
-    meter = make(arrays=5)
-    meter.made(3)
+def test_the_array_beyond_the_limit_is_refused_before_it_is_made(meter):
+    meter.made(MOST_ARRAYS - 2)
     meter.made(2)
-    with pytest.raises(CostError, match="more than 5 arrays") as caught:
+    with pytest.raises(CostError, match="more than 4000 arrays") as caught:
         meter.made()
     assert caught.value.code == "memory"
 

@@ -6,7 +6,8 @@ import textwrap
 
 import pytest
 
-from coral.contact.cost_program import CostError, LimitsCfg
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.limits import MOST_CHARACTERS
 from coral.contact.cost_program.parse import parse
 
 
@@ -14,9 +15,9 @@ def body(code):
     return "def state_cost(self):\n" + textwrap.indent(textwrap.dedent(code).strip("\n"), "    ") + "\n"
 
 
-def refused(text, **limits):
+def refused(text):
     with pytest.raises(CostError) as caught:
-        parse(text, LimitsCfg(**limits))
+        parse(text)
     return caught.value
 
 
@@ -75,24 +76,24 @@ def test_a_part_of_python_that_costs_do_not_have_is_refused_at_its_line(code, wo
 
 def test_a_number_that_is_not_exact_is_refused():
     assert refused(body(f"return {2**53 + 1}")).code == "too_large_number"
-    assert parse(body(f"return {2**53}"), LimitsCfg()).entry.name == "state_cost"
+    assert parse(body(f"return {2**53}")).entry.name == "state_cost"
 
 
 def test_annotations_are_not_part_of_the_language_and_may_be_anything():
     text = "def state_cost(self: 'Env', k: dict[str, int] = 1) -> np.ndarray:\n    x: lambda: 0 = 1\n    return x\n"
-    assert parse(text, LimitsCfg()).entry.name == "state_cost"
+    assert parse(text).entry.name == "state_cost"
 
 
 def test_the_cost_is_the_last_function_of_that_name_or_the_only_one():
-    assert parse("def f(x):\n    return x\n\n" + body("return 1.0"), LimitsCfg()).entry.lineno == 4
-    assert parse("def my_cost(env):\n    return 1.0\n", LimitsCfg()).entry.name == "my_cost"
+    assert parse("def f(x):\n    return x\n\n" + body("return 1.0")).entry.lineno == 4
+    assert parse("def my_cost(env):\n    return 1.0\n").entry.name == "my_cost"
     assert refused("def f(x):\n    return x\n\ndef g(x):\n    return x\n").code == "no_function"
 
 
 @pytest.mark.parametrize("head", ["state_cost()", "state_cost(self, scale)"])
 def test_the_cost_takes_one_argument(head):
     assert "one argument" in refused(f"def {head}:\n    return 1.0").text
-    assert parse("def state_cost(self, scale=2.0):\n    return scale", LimitsCfg()).entry.name == "state_cost"
+    assert parse("def state_cost(self, scale=2.0):\n    return scale").entry.name == "state_cost"
 
 
 def test_prose_is_no_function_and_broken_code_is_no_python():
@@ -104,11 +105,12 @@ def test_prose_is_no_function_and_broken_code_is_no_python():
 
 def test_limits_are_inclusive():
     text = body("return 1.0")
-    parse(text, LimitsCfg(characters=len(text)))
-    assert refused(text, characters=len(text) - 1).code == "too_large"
+    text += "#" * (MOST_CHARACTERS - len(text))
+    parse(text)
+    assert refused(f"{text}#").code == "too_large"
 
 
 def test_a_long_sum_is_not_deeply_nested():
     text = body("return " + " + ".join(["self.time"] * 100))
-    assert parse(text, LimitsCfg(depth=8)).source == text
-    assert "levels of nesting" in refused(body("return " + " * ".join(["self.time"] * 100)), depth=8).text
+    assert parse(text).source == text
+    assert "levels of nesting" in refused(body("return " + " * ".join(["self.time"] * 100))).text

@@ -20,7 +20,7 @@ SCHEMA = {"ee_pos": [3, 0, 0], "time": [0, 0, 0]}
 
 
 def load(number, source):
-    return {"op": "load", "id": number, "source": source, "limits": {}, "schema": SCHEMA}
+    return {"op": "load", "id": number, "source": source, "schema": SCHEMA}
 
 
 def run(number):

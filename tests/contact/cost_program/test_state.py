@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.context import Context, Quantity
-from coral.contact.cost_program import CostError, LimitsCfg
+from coral.contact.cost_program import CostError
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.state import objects_of, read_quantity
 
 
 @pytest.fixture
 def batch(states):
-    return Meter(states(np.random.default_rng(0)), LimitsCfg())
+    return Meter(states(np.random.default_rng(0)))
 
 
 def test_objects_are_what_has_a_pose_other_than_the_hand(schema):
@@ -40,7 +40,7 @@ def test_a_name_that_the_state_does_not_have_is_refused_with_a_like_one(schema, 
     ],
 )
 def test_a_batch_that_breaks_its_schema_is_refused(values, words):
-    meter = Meter(Context(values, (4, 5)), LimitsCfg())
+    meter = Meter(Context(values, (4, 5)))
     with pytest.raises(CostError, match=words) as caught:
         read_quantity(meter, {"x": Quantity(3, "m", "")}, "x")
     assert caught.value.code == "missing_state"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostError, LimitsCfg
-from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.limits import MOST_ITEMS, Meter
 from coral.contact.cost_program.values import (
     Module,
     State,
@@ -51,8 +51,8 @@ def test_a_doubling_list_is_weighed_only_up_to_the_limit():
 
 
 def test_a_container_above_the_limit_is_refused():
-    meter = Meter(Context({}, (1, 1)), LimitsCfg(items=4))
-    value = np.ones((3, 1, 1))
+    meter = Meter(Context({}, (1, 1)))
+    value = np.ones((MOST_ITEMS - 1, 1, 1))
     assert bounded(meter, value) is value
-    with pytest.raises(CostError, match="a vector of 4 holds more than 4 entries"):
-        bounded(meter, np.ones((4, 1, 1)))
+    with pytest.raises(CostError, match="a vector of 1024 holds more than 1024 entries"):
+        bounded(meter, np.ones((MOST_ITEMS, 1, 1)))

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostError, CostProgram, LimitsCfg
+from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.errors import LONGEST_NAME
+from coral.contact.cost_program.limits import MOST_CHARACTERS
 from coral.contact.cost_program.sandbox import KEPT
 from coral.contact.cost_program.worker import CostWorker, WorkerCfg
 from coral.errors import InputError
@@ -97,8 +98,8 @@ def test_a_larger_batch_gets_more_shared_memory(schema, states):
 
 
 def test_limits_hold_in_the_process_too(schema):
-    with CostWorker(WorkerCfg(limits=LimitsCfg(characters=30))) as one, pytest.raises(CostError) as caught:
-        one.load("def state_cost(self):\n    return self.time", schema)
+    with CostWorker() as one, pytest.raises(CostError) as caught:
+        one.load("def state_cost(self):\n    return self.time" + " " * MOST_CHARACTERS, schema)
     assert caught.value.code == "too_large"
 
 

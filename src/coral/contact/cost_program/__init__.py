@@ -5,7 +5,6 @@ this package: its master is in `worker`, so that it starts in half the time.
 """
 
 from coral.contact.cost_program.errors import CODES, CostError
-from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.program import CostProgram
 
-__all__ = ["CODES", "CostError", "CostProgram", "LimitsCfg"]
+__all__ = ["CODES", "CostError", "CostProgram"]

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
-from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.limits import MOST_CALLS, Meter
 from coral.contact.cost_program.machine import Machine, merge
 from coral.contact.cost_program.state import read_quantity
 from coral.contact.cost_program.values import (
@@ -120,9 +120,9 @@ def invoke(
     machine: Machine, function: Function, args: list[Value], named: dict[str, Value], evaluate: Evaluate
 ) -> Value:
     """Run a function of the program."""
-    if len(machine.stack) > machine.meter.cfg.calls + 1:
+    if len(machine.stack) > MOST_CALLS + 1:
         raise machine.meter.fault(
-            "calls", f"functions call one another more than {machine.meter.cfg.calls} deep; recursion is not available"
+            "calls", f"functions call one another more than {MOST_CALLS} deep; recursion is not available"
         )
     frame = Scope(function.frame, function.names, variables=bind(machine, function, args, named))
     mask, line = machine.meter.mask, machine.meter.line

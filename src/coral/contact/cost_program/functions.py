@@ -23,7 +23,7 @@ from coral.contact.cost_program.arithmetic import (
     truth,
     where,
 )
-from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.limits import MOST_ITEMS, Mask, Meter
 from coral.contact.cost_program.values import Array, Builtin, Partial, Value, entries, is_number, is_vector, kind
 
 Call = Callable[..., Value]
@@ -202,9 +202,9 @@ def filled_with(fill: float) -> Call:
     """Make np.zeros or np.ones."""
 
     def call(meter: Meter, shape: Value) -> Value:
-        if isinstance(shape, int) and not isinstance(shape, bool) and 0 < shape <= meter.cfg.items:
+        if isinstance(shape, int) and not isinstance(shape, bool) and 0 < shape <= MOST_ITEMS:
             return np.full((shape, 1, 1), fill)
-        raise meter.fault("not_fixed", f"a size is a whole number from 1 to {meter.cfg.items}; an array has one axis")
+        raise meter.fault("not_fixed", f"a size is a whole number from 1 to {MOST_ITEMS}; an array has one axis")
 
     return call
 

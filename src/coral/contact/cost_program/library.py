@@ -16,7 +16,7 @@ import numpy as np
 from coral.contact.cost_program import functions
 from coral.contact.cost_program.arithmetic import as_vector, dot, truth
 from coral.contact.cost_program.functions import of_one, of_two, reduction
-from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.limits import MOST_TURNS, Meter
 from coral.contact.cost_program.values import Builtin, Value, entries, is_number, is_vector, kind
 
 WORDS: Mapping[str, tuple[Callable[[Value], bool], str]] = {
@@ -88,8 +88,8 @@ def _range(meter: Meter, *values: Value) -> Value:
     if len(numbers) == 3 and numbers[2] == 0:
         raise meter.fault("wrong_call", "the step of a range is not 0")
     found = range(*numbers)
-    if len(found) > meter.cfg.loop:
-        raise meter.fault("steps", f"a range has at most {meter.cfg.loop} entries")
+    if len(found) > MOST_TURNS:
+        raise meter.fault("steps", f"a range has at most {MOST_TURNS} entries")
     return list(found)
 
 

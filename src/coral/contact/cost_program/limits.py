@@ -14,30 +14,26 @@ from coral.contact.cost_program.errors import CostError
 Mask = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, kw_only=True)
-class LimitsCfg:
-    """Bounds on one program. The paper's example (A.6) takes about 550 steps and 350 arrays."""
-
-    characters: int = 20_000
-    """Maximum length of the source text."""
-    nodes: int = 6_000
-    """Maximum number of its syntax nodes."""
-    depth: int = 48
-    """Maximum nesting of expressions and blocks."""
-    steps: int = 20_000
-    """Maximum number of nodes evaluated for one batch."""
-    arrays: int = 4_000
-    """Maximum number of arrays for one batch, so that memory stays below arrays * K * H * 8 bytes."""
-    operations: int = 100_000
-    """Maximum number of operations on single numbers and of entries counted, constants included."""
-    loop: int = 64
-    """Maximum number of iterations of one loop."""
-    items: int = 1_024
-    """Maximum number of entries of one list, tuple, dict or vector, nested ones included."""
-    calls: int = 8
-    """Maximum nesting of the program's own functions."""
-    terms: int = 64
-    """Maximum number of named terms."""
+MOST_CHARACTERS = 20_000
+"""Length of the source text. The paper's example (A.6) takes about 550 steps and 350 arrays."""
+MOST_NODES = 6_000
+"""Number of its syntax nodes."""
+MOST_DEPTH = 48
+"""Nesting of expressions and blocks."""
+MOST_STEPS = 20_000
+"""Number of nodes evaluated for one batch."""
+MOST_ARRAYS = 4_000
+"""Number of arrays for one batch, so that memory stays below arrays * K * H * 8 bytes."""
+MOST_OPERATIONS = 100_000
+"""Number of operations on single numbers and of entries counted, constants included."""
+MOST_TURNS = 64
+"""Number of iterations of one loop."""
+MOST_ITEMS = 1_024
+"""Number of entries of one list, tuple, dict or vector, nested ones included."""
+MOST_CALLS = 8
+"""Nesting of the program's own functions."""
+MOST_TERMS = 64
+"""Number of named terms."""
 
 
 @dataclass
@@ -46,8 +42,6 @@ class Meter:
 
     context: Context
     """The batch of states."""
-    cfg: LimitsCfg
-    """The bounds."""
     line: int = 0
     """Line being evaluated."""
     mask: Mask | None = None
@@ -69,20 +63,20 @@ class Meter:
         """Count one node of the syntax tree."""
         self.line = line
         self.steps += 1
-        if self.steps > self.cfg.steps:
-            raise self.fault("steps", f"the cost takes more than {self.cfg.steps} steps; shorten its loops")
+        if self.steps > MOST_STEPS:
+            raise self.fault("steps", f"the cost takes more than {MOST_STEPS} steps; shorten its loops")
 
     def made(self, count: int = 1) -> None:
         """Count arrays that are about to be created."""
         self.arrays += count
-        if self.arrays > self.cfg.arrays:
-            raise self.fault("memory", f"the cost makes more than {self.cfg.arrays} arrays; shorten its loops")
+        if self.arrays > MOST_ARRAYS:
+            raise self.fault("memory", f"the cost makes more than {MOST_ARRAYS} arrays; shorten its loops")
 
     def spend(self, count: int = 1) -> None:
         """Count operations on single numbers, which cost time whether or not they depend on the state."""
         self.operations += count
-        if self.operations > self.cfg.operations:
-            raise self.fault("steps", f"the cost takes more than {self.cfg.operations} operations; shorten its loops")
+        if self.operations > MOST_OPERATIONS:
+            raise self.fault("steps", f"the cost takes more than {MOST_OPERATIONS} operations; shorten its loops")
 
     def fault(self, code: str, text: str) -> CostError:
         """Make the error for the line being evaluated."""

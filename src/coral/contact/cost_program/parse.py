@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from coral.contact.cost_program.errors import CostError, line_of
 from coral.contact.cost_program.extract import WRAPPED, extract
 from coral.contact.cost_program.library import MODULE_NAMES
-from coral.contact.cost_program.limits import LimitsCfg
+from coral.contact.cost_program.limits import MOST_CHARACTERS, MOST_DEPTH, MOST_NODES
 
 # fmt: off
 ALLOWED: frozenset[type[ast.AST]] = frozenset((
@@ -67,14 +67,14 @@ class Parsed:
     """The cost function."""
 
 
-def parse(text: str, cfg: LimitsCfg) -> Parsed:
+def parse(text: str) -> Parsed:
     """Parse and check a program.
 
     Raises:
         CostError: It is too large, is not Python, or uses a part of Python that costs do not have.
     """
-    if len(text) > cfg.characters:
-        raise CostError("too_large", f"a cost has at most {cfg.characters} characters, this reply has {len(text)}")
+    if len(text) > MOST_CHARACTERS:
+        raise CostError("too_large", f"a cost has at most {MOST_CHARACTERS} characters, this reply has {len(text)}")
     source = extract(text)
     if not source.strip():
         raise CostError("empty", "the reply holds no code; answer with `def state_cost(self):`")
@@ -86,7 +86,7 @@ def parse(text: str, cfg: LimitsCfg) -> Parsed:
             raise CostError("no_function", "the reply holds no code; answer with `def state_cost(self):`") from None
         raise
     try:
-        _check(tree, cfg, source)
+        _check(tree, source)
     except RecursionError:
         raise CostError("too_large", "the program is nested too deeply") from None
     return Parsed(source, tree, _entry(tree))
@@ -118,7 +118,7 @@ def _tree(source: str) -> ast.Module:
         raise CostError("syntax", "not Python: it holds characters or numbers that cannot be read") from None
 
 
-def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
+def _check(tree: ast.Module, source: str) -> None:
     pending: list[tuple[ast.AST, int, int]] = [(tree, 0, 1)]
     count = 0
     while pending:
@@ -126,10 +126,10 @@ def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
         line = getattr(node, "lineno", line)
         count += 1
         try:
-            if count > cfg.nodes:
-                raise CostError("too_large", f"a cost has at most {cfg.nodes} syntax nodes", line)
-            if depth > cfg.depth:
-                raise CostError("too_large", f"more than {cfg.depth} levels of nesting; use more variables", line)
+            if count > MOST_NODES:
+                raise CostError("too_large", f"a cost has at most {MOST_NODES} syntax nodes", line)
+            if depth > MOST_DEPTH:
+                raise CostError("too_large", f"more than {MOST_DEPTH} levels of nesting; use more variables", line)
             _check_node(node, line)
         except CostError as error:
             raise CostError(error.code, error.text, error.line, line_of(source, error.line)) from None

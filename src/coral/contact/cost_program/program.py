@@ -11,7 +11,7 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Schema, Terms
 from coral.contact.cost_program.calls import leave, outcome
 from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name, line_of
-from coral.contact.cost_program.limits import LimitsCfg, Meter
+from coral.contact.cost_program.limits import MOST_TERMS, Meter
 from coral.contact.cost_program.machine import Machine, filled
 from coral.contact.cost_program.parse import Parsed, parse
 from coral.contact.cost_program.statements import own_names, run_block
@@ -32,13 +32,13 @@ class Prepared:
 
 
 @lru_cache(maxsize=64)  # a plan is compiled for its check and again for its use
-def prepare(source: str, limits: LimitsCfg) -> Prepared:
+def prepare(source: str) -> Prepared:
     """Parse and check a text.
 
     Raises:
         CostError: The text is not a program of the accepted language.
     """
-    parsed = parse(source, limits)
+    parsed = parse(source)
     nodes = list(ast.walk(parsed.tree))
     return Prepared(
         parsed,
@@ -59,9 +59,9 @@ class CostProgram:
         CostError: The text is not a program of the accepted language.
     """
 
-    def __init__(self, source: str, schema: Schema, name: str = "program", limits: LimitsCfg | None = None) -> None:
-        self.name, self.schema, self.limits = name, dict(schema), limits or LimitsCfg()
-        self.prepared = prepare(source, self.limits)
+    def __init__(self, source: str, schema: Schema, name: str = "program") -> None:
+        self.name, self.schema = name, dict(schema)
+        self.prepared = prepare(source)
         self.parsed = self.prepared.parsed
         self.source = self.parsed.source
         self.reads = sorted(self.prepared.attributes & self.schema.keys())
@@ -72,7 +72,7 @@ class CostProgram:
         Raises:
             CostError: The cost cannot be evaluated on this batch, or is not finite.
         """
-        terms = self._evaluate(Meter(state, self.limits))
+        terms = self._evaluate(Meter(state))
         if not np.isfinite(sum(terms.values())).all():
             raise self.not_finite(state)
         return terms
@@ -95,7 +95,7 @@ class CostProgram:
 
     def not_finite(self, state: Context) -> CostError:
         """Make the error that names where the cost stops being finite."""
-        meter = Meter(state, self.limits, watched=True)
+        meter = Meter(state, watched=True)
         self._evaluate(meter)
         if meter.lost is None:
             return CostError("not_finite", "the cost is nan or infinite in some state")
@@ -139,8 +139,8 @@ class CostProgram:
             return {"cost": value}
         if not isinstance(value, dict):
             raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
-        if len(value) > self.limits.terms:
-            raise meter.fault("memory", f"a cost has at most {self.limits.terms} terms")
+        if len(value) > MOST_TERMS:
+            raise meter.fault("memory", f"a cost has at most {MOST_TERMS} terms")
         found: dict[str, Value] = {}
         for name, one in value.items():
             term = filled(meter, one, 0.0)

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from coral.contact.cost.context import Context, Quantity
 from coral.contact.cost_program import seccomp
 from coral.contact.cost_program.errors import CostError
-from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.program import CostProgram
 
 HEADER = struct.Struct("<I")
@@ -101,7 +100,7 @@ class Sandbox:
             return {"error": ["internal", f"the interpreter failed with {type(error).__name__}", 0, ""]}
 
     def _load(self, request: Request) -> Reply:
-        program = CostProgram(request["source"], quantities(request["schema"]), limits=LimitsCfg(**request["limits"]))
+        program = CostProgram(request["source"], quantities(request["schema"]))
         dropped = list(self.programs)[: max(0, len(self.programs) + 1 - KEPT)]  # least recently used
         for number in dropped:
             del self.programs[number]
@@ -177,7 +176,7 @@ def main() -> None:
     shared = mmap.mmap(descriptor, size)
     os.close(descriptor)
     sandbox = Sandbox(np.frombuffer(shared, dtype=np.float64))
-    warm = {"op": "load", "id": 0, "source": WARM_UP, "limits": {}, "schema": {"ee_pos": [3, 0, 0], "time": [0, 0, 0]}}
+    warm = {"op": "load", "id": 0, "source": WARM_UP, "schema": {"ee_pos": [3, 0, 0], "time": [0, 0, 0]}}
     sandbox.answer(warm)
     sandbox.answer(
         {

@@ -20,6 +20,7 @@ from coral.contact.cost_program.expressions import (
     unpack,
 )
 from coral.contact.cost_program.library import MODULE_NAMES
+from coral.contact.cost_program.limits import MOST_TURNS
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.values import Module, Value, bounded, entries, is_number, kind
 
@@ -126,8 +127,8 @@ def _if(machine: Machine, node: Any) -> bool:
 
 def _for(machine: Machine, node: Any) -> bool:
     items = entries(machine.meter, evaluate(machine, node.iter))
-    if len(items) > machine.meter.cfg.loop:
-        raise machine.meter.fault("steps", f"a loop has at most {machine.meter.cfg.loop} turns")
+    if len(items) > MOST_TURNS:
+        raise machine.meter.fault("steps", f"a loop has at most {MOST_TURNS} turns")
     outer, machine.conditions, falls = machine.conditions, 0, True
     for item in items:
         machine.meter.step(node.lineno)

@@ -16,7 +16,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.limits import MOST_ITEMS, Mask, Meter
 
 Value = object
 Array = NDArray[Any]
@@ -141,8 +141,8 @@ def bounded(meter: Meter, value: Value) -> Value:
     """Return the container after checking its size."""
     if not isinstance(value, list | tuple | dict) and not is_vector(value):
         return value
-    found = weight(value, meter.cfg.items)
+    found = weight(value, MOST_ITEMS)
     meter.spend(found)
-    if found > meter.cfg.items:
-        raise meter.fault("memory", f"{kind(value)} holds more than {meter.cfg.items} entries")
+    if found > MOST_ITEMS:
+        raise meter.fault("memory", f"{kind(value)} holds more than {MOST_ITEMS} entries")
     return value

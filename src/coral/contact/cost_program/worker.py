@@ -14,7 +14,7 @@ import tempfile
 import threading
 import time
 import weakref
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from mmap import mmap
 from typing import Any, TypeVar
 
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from coral.contact.cost.context import Context, Schema, Terms
 from coral.contact.cost_program.answers import Loaded, Ran, Ready, WorkerAnswer, WorkerFailure
 from coral.contact.cost_program.errors import CODES, CostError, is_term_name, printable
-from coral.contact.cost_program.limits import LimitsCfg
+from coral.contact.cost_program.limits import MOST_CHARACTERS, MOST_TERMS
 from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Request
 from coral.contact.cost_program.seccomp import MACHINES
 from coral.errors import InputError
@@ -49,8 +49,6 @@ class WorkerCfg:
     """Memory that it may use in addition to its initial memory."""
     shared_bytes: int = 32 << 20
     """Size of the shared arrays; it grows when a batch needs more."""
-    limits: LimitsCfg = field(default_factory=LimitsCfg)
-    """Bounds on a program."""
     allow_unfiltered: bool = field(default_factory=lambda: os.environ.get(ALLOW_UNFILTERED) == "1")
     """Whether to run costs if the machine cannot filter system calls; otherwise that is an error."""
 
@@ -95,7 +93,7 @@ class CostWorker:
             cost = WorkerCost(self, number, source, schema, name)
             loaded = self._load(cost)
             cost.reads = [item for item in loaded.reads if item in schema]
-            cost.source = printable(loaded.source, 2 * self.cfg.limits.characters)
+            cost.source = printable(loaded.source, 2 * MOST_CHARACTERS)
             return cost
 
     def close(self) -> None:
@@ -106,10 +104,7 @@ class CostWorker:
     def _load(self, cost: WorkerCost) -> Loaded:
         self._start()
         schema = {key: [q.size, q.truth, q.constant] for key, q in cost.schema.items()}
-        limits = asdict(self.cfg.limits)
-        loaded = self._ask(
-            Loaded, {"op": "load", "id": cost.number, "source": cost.given, "schema": schema, "limits": limits}
-        )
+        loaded = self._ask(Loaded, {"op": "load", "id": cost.number, "source": cost.given, "schema": schema})
         self._loaded -= set(loaded.dropped)
         self._loaded.add(cost.number)
         return loaded
@@ -117,7 +112,7 @@ class CostWorker:
     def _evaluate(self, cost: WorkerCost, state: Context) -> tuple[Ran, int]:
         sizes = {name: math.prod(state[name].shape) for name in cost.reads if name in state}
         inputs = sum(sizes.values())
-        room = (self.cfg.limits.terms + 1) * math.prod(state.shape)
+        room = (MOST_TERMS + 1) * math.prod(state.shape)
         needed = 8 * (inputs + room)
         if needed > self._shared_bytes:
             self._stop()
@@ -147,7 +142,7 @@ class CostWorker:
         with self._lock:
             ran, offset = self._evaluate(cost, state)
             names = ran.terms
-            if len(set(names)) < len(names) or len(names) > self.cfg.limits.terms or not all(map(is_term_name, names)):
+            if len(set(names)) < len(names) or len(names) > MOST_TERMS or not all(map(is_term_name, names)):
                 raise self._taken_over()
             terms: Terms = {}
             for name in names:

@@ -10,12 +10,11 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from coral.contact.cost_program.limits import MOST_CHARACTERS
 from coral.errors import nearest
 
 MOST_STAGES = 64
 """Of a plan that is written out."""
-MOST_CHARACTERS = 20_000
-"""Of one text of it; the interpreter refuses longer programs."""
 MOST_NAMES = 32
 NAME = re.compile(r"[a-z_]\w{0,30}")
 USED = re.compile(r"\{([A-Za-z_]\w*)\}")
