@@ -1,6 +1,6 @@
 """The names that a cost may read."""
 
-from coral.contact.cost.schema import HAND, hand_quantities, object_quantities, scenery_quantities
+from coral.contact.cost.schema import HAND, hand_quantities, object_quantities, objects_of, scenery_quantities
 
 
 def test_an_object_has_its_pose_points_and_contacts():
@@ -27,3 +27,8 @@ def test_two_things_have_a_contact_and_a_clearance():
 
 def test_no_name_of_the_hand_is_an_objects_too():
     assert not HAND.keys() & object_quantities("box").keys()
+
+
+def test_objects_are_what_has_a_pose_other_than_the_hand():
+    names = {**HAND, **object_quantities("box", ["handle"]), **object_quantities("tin"), **scenery_quantities(["wall"])}
+    assert objects_of(names) == ["box", "tin"]

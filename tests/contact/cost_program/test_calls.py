@@ -1,6 +1,12 @@
 """Attributes and calls reach only what a table of this package names; functions of the program bind as in Python."""
 
+import numpy as np
 import pytest
+
+from coral.contact.cost.context import Context, Quantity
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.calls import read_quantity
+from coral.contact.cost_program.limits import Meter
 
 SAME = {
     "defaults and keywords": (
@@ -53,3 +59,36 @@ def test_a_call_that_cannot_be_made_is_refused(case, refusal):
     body, code, words = REFUSED[case]
     found = refusal(body)
     assert (found.code, words in found.text) == (code, True), found
+
+
+@pytest.fixture
+def batch(states):
+    return Meter(states(np.random.default_rng(0)))
+
+
+def test_a_quantity_is_read_component_by_component(schema, batch):
+    found = read_quantity(batch, schema, "box_pos")
+    assert np.array_equal(np.moveaxis(found, 0, -1), batch.context["box_pos"])
+    assert read_quantity(batch, schema, "box_hand_contact").dtype == np.bool_
+
+
+def test_a_name_that_the_state_does_not_have_is_refused_with_a_like_one(schema, batch):
+    with pytest.raises(CostError, match=r"did you mean 'box_pos'\?") as caught:
+        read_quantity(batch, schema, "bx_pos")
+    assert caught.value.code == "unknown_state"
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({}, "the batch lacks x"),
+        ({"x": np.zeros((4, 5))}, r"x has shape \(4, 5\)"),
+        ({"x": np.zeros((4, 5, 2))}, r"x has shape \(4, 5, 2\)"),
+        ({"x": np.zeros((3, 5, 3))}, r"in a batch of \(4, 5\)"),
+    ],
+)
+def test_a_batch_that_breaks_its_schema_is_refused(values, words):
+    meter = Meter(Context(values, (4, 5)))
+    with pytest.raises(CostError, match=words) as caught:
+        read_quantity(meter, {"x": Quantity(3, "m", "")}, "x")
+    assert caught.value.code == "missing_state"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Literal
 
 from coral.contact.cost.context import Quantity, Schema
@@ -98,3 +98,15 @@ def scenery_quantities(
     for name in numbers:
         found[name] = Quantity(0, "", f"the number {name} of the task", constant=True)
     return found
+
+
+def objects_of(names: Collection[str]) -> list[str]:
+    """Return the movable objects among the names of quantities."""
+    return [
+        name.removesuffix("_quat")
+        for name in names
+        if name.endswith("_quat")
+        and name != "ee_quat"
+        and f"{name.removesuffix('_quat')}_pos" in names
+        and not name.endswith(("_init_quat", "_stage_quat"))
+    ]

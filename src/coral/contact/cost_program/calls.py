@@ -1,4 +1,4 @@
-"""Attributes and calls: the only ways from a value to a function, each a look-up in a table of this package."""
+"""Attributes, calls, the quantities of `self`: look-ups in tables, and the only ways from a value to another one."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from coral.contact.cost.context import Quantity, Schema
 from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
 from coral.contact.cost_program.limits import MOST_CALLS, Meter
 from coral.contact.cost_program.machine import Machine, merge
-from coral.contact.cost_program.state import read_quantity
 from coral.contact.cost_program.values import (
+    Array,
     Builtin,
     Function,
     Module,
@@ -67,6 +68,33 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
             f"{module.name} has no {name!r} here{hint or nearest(name, known)}; it has {', '.join(sorted(known))}",
         )
     return table[inside + name]
+
+
+def read_quantity(meter: Meter, schema: Schema, name: str) -> Value:
+    """Return the value of `self.name`."""
+    if name not in schema:
+        sure = nearest(name, schema, likeness=0.8)
+        listed = f"{nearest(name, schema)}; it has {', '.join(sorted(schema))}"
+        raise meter.fault("unknown_state", f"the state has no {name!r}{sure or listed}")
+    if name not in meter.cache:
+        meter.cache[name] = _read(meter, schema[name], name)
+    return meter.cache[name]
+
+
+def _read(meter: Meter, quantity: Quantity, name: str) -> Array:
+    """Return a contiguous array: the same memory layout for every batch, so the same rounding."""
+    if name not in meter.context:
+        raise meter.fault("missing_state", f"the batch lacks {name}")
+    values = np.asarray(meter.context[name], dtype=np.float64)
+    fits = values.ndim == (3 if quantity.size else 2) and all(
+        n in (1, m) for n, m in zip(values.shape[:2], meter.context.shape, strict=True)
+    )
+    if not fits or (quantity.size and values.shape[2] != quantity.size):
+        raise meter.fault("missing_state", f"{name} has shape {values.shape} in a batch of {meter.context.shape}")
+    meter.made(max(quantity.size, 1))
+    if quantity.truth and not quantity.size:
+        return np.not_equal(values, 0)
+    return np.ascontiguousarray(values.transpose(2, 0, 1) if quantity.size else values)
 
 
 TABLE_METHODS: dict[str, Callable[[dict[Value, Value]], list[Value]]] = {

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.cost.context import Array, Context, Cost, Terms
-from coral.contact.cost_program.state import objects_of
+from coral.contact.cost.schema import objects_of
 
 DIRECTIONS: Array = np.array([step for step in product((-1.0, 0.0, 1.0), repeat=3) if any(step)])
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)

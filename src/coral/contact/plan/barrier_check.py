@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.cost.context import Array, Context, Cost
-from coral.contact.cost_program.state import objects_of
+from coral.contact.cost.schema import objects_of
 from coral.contact.plan.attraction import DIRECTIONS, STRIDES, Attraction, at_rest, cost_at, descend, total_cost
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 

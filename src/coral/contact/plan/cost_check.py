@@ -15,8 +15,8 @@ import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
+from coral.contact.cost.schema import objects_of
 from coral.contact.cost_program.errors import CostError
-from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import Attraction, at_rest, follow_cost, total_cost
 from coral.contact.plan.barrier_check import CostFault, gate_barriers, touch_barriers
 from coral.contact.scene.geometry import rotation_of

@@ -15,9 +15,9 @@ import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
 from coral.contact.cost.context import Context, Cost, ReadingCost, Schema, Terms
+from coral.contact.cost.schema import objects_of
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
-from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.contact_regions import RegionsAnswer, guide
 from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
 from coral.contact.scene.observation import Array

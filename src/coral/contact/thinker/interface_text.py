@@ -6,8 +6,7 @@ import re
 from collections.abc import Collection, Sequence
 
 from coral.contact.cost.context import Quantity, Schema
-from coral.contact.cost.schema import hand_quantities
-from coral.contact.cost_program.state import objects_of
+from coral.contact.cost.schema import hand_quantities, objects_of
 
 FUNCTIONS = (
     "norm(v), dist(a, b), dot, cross, clip(x, low, high), clip01(x), sigmoid(x), near(d, scale) = exp(-(d/scale)^2), "
