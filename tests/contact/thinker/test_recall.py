@@ -39,7 +39,7 @@ def choose(one, memory, outcomes=(), **cfg):
         Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None, limits
     )
     questions.update_facts(one.now)
-    recall = Recall(questions, one.trial, one.world, think, in_process)
+    recall = Recall(questions, one.trial, one.world, think)
 
     def try_it(plan, first):
         tried.append(plan)
@@ -48,7 +48,7 @@ def choose(one, memory, outcomes=(), **cfg):
         return replace(plan, outcome=outcome, refusal=why, imagined_s=3.0)
 
     if outcomes:
-        questions.check_plan = lambda *_: None
+        questions.check_plan = lambda *_, **__: None
         recall._try = try_it
     chosen = recall.choose(memory, one.now, lambda event, **fields: told.append(fields))
     return chosen, told, tried

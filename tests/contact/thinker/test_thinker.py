@@ -36,12 +36,22 @@ NAMES = ["above", "lower", "close", "lift", "hold"]
 """Stages of the recorded plan for the box."""
 
 
-def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
+class Here:
+    """What stands for the confined process, in this one."""
+
+    load = staticmethod(in_process)
+
+    def close(self):
+        pass
+
+
+def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, worker=None, **cfg):
     told = []
     strategist = Thinker(
         Asker(advisor or RuleAdvisor(RULES)),
         ThinkCfg(memory=MemoryCfg(rehearsed=rehearsed), **cfg),
         np.random.default_rng(0),
+        worker or Here(),
         memory,
         provenance={"world": "hand", "seed": 0},
         given=given,
@@ -249,32 +259,12 @@ def remembering(scene, tmp_path):
     return one, memory
 
 
-def confining(one, memory, **cfg):
-    """A thinker, what was loaded into this process, and the confined process."""
-    loaded, worker = [], CostWorker()
-
-    def load(source, schema, name):
-        loaded.append(source)
-        return in_process(source, schema, name)
-
-    strategist = Thinker(
-        Asker(RuleAdvisor(RULES)),
-        ThinkCfg(memory=MemoryCfg(rehearsed=0), **cfg),
-        np.random.default_rng(0),
-        memory,
-        load,
-        {"world": "hand", "seed": 0},
-        worker=worker,
-    )
-    return strategist, loaded, worker
-
-
 def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(remembering):
     one, memory = remembering
-    strategist, loaded, worker = confining(one, memory)
+    worker = CostWorker()
+    strategist, _ = thinker(one, memory=memory, worker=worker)
     strategy = strategist.begin(one.trial, one.now, one.world)
     assert strategist.counts.memory_hit
-    assert loaded == []
     assert worker.pid is not None
     direct, _ = thinker(one)
     context = one.samples[0]
@@ -283,15 +273,6 @@ def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(
     assert all((found[name] == expected[name]).all() for name in expected)
     strategist.on_end("timeout")
     assert worker.pid is None
-
-
-def test_repairs_of_what_is_remembered_are_confined_too(remembering):
-    one, memory = remembering
-    strategist, loaded, _ = confining(one, memory)
-    strategist.begin(one.trial, one.now, one.world)
-    assert strategist.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
-    assert loaded == []
-    strategist.on_end("timeout")
 
 
 def test_what_is_remembered_is_tried_without_regions_too(remembering, monkeypatch):
@@ -364,19 +345,10 @@ def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     assert memory.all() == []
 
 
-def test_without_a_hit_no_process_is_started(scene, tmp_path):
-    one = scene("pick-box")
-    strategist, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedConcepts()))
-    strategist.begin(one.trial, one.now, one.world)
-    assert loaded
-    assert worker.starts == 0
-    strategist.on_end("timeout")
-
-
 def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
     one, memory = remembering
-    strategist, _, worker = confining(one, memory)
-    strategist.begin(one.trial, one.now, one.world)
+    worker = CostWorker()
+    strategist, _ = begun(one, memory=memory, worker=worker)
     memory.store.path.unlink()
     memory.store.path.mkdir()
     with pytest.raises(InputError):

@@ -93,14 +93,13 @@ def _asking_variant(variant: str, **parts: Any) -> Make:
         advisor = asking.given or contact_advisor(asking.advisor, asking.model, asking.inbox, key=(asking.seed, 2))
         latency = thinking_latency(think.latency, advisor, asking.advisor)
         clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
-        worker = CostWorker()
         budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
             Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),
             think,
             np.random.default_rng([asking.seed, 3]),
+            CostWorker(),
             memory,
-            worker.load,
             {
                 "world": asking.world,
                 "seed": asking.seed,
@@ -109,7 +108,6 @@ def _asking_variant(variant: str, **parts: Any) -> Make:
                 "run": "" if asking.folder is None else asking.folder.name,
             },
             asking.believe,
-            worker,
         )
 
     return make

@@ -210,23 +210,19 @@ class Questions:
         self._emit_plan("unified", outcome, "plan" if history is None else "repair")
         return None if found is None else (found.plan, found.places)
 
-    def check_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
-        """Return why a plan's programs cannot be used on states around the present one; None if they can.
-
-        `load` loads them, if they are not an answer's.
-        """
-        if self._cfg.prompt == "paper" and plan.stages and load is None and self._asker.source == "advisor":
+    def check_plan(self, plan: PlanAnswer, now: Observation, remembered: bool = False) -> Rejection | None:
+        """Return why a plan's programs cannot be used on states around the present one; None if they can."""
+        if self._cfg.prompt == "paper" and plan.stages and not remembered and self._asker.source == "advisor":
             return Rejection(code="stages", reason="give one function, `code`, and no stages")
-        loader = load or self.load
 
         def beginnings(compiled: Sequence[Compiled]) -> dict[str, list[Context]]:
-            followed = make_strategy("imagined", plan, None, self._world.schema, self.sizes, loader)
+            followed = make_strategy("imagined", plan, None, self._world.schema, self.sizes, self.load)
             names = [made.answer.name for made in compiled]
             found = stage_beginnings(self._world, followed, now, names)
             return {name: sample_states(self._world, start, self.sizes) for name, start in found.items()}
 
         verdict = judge_plan(
-            plan, self._world.schema, sample_states(self._world, now, self.sizes), loader, beginnings=beginnings
+            plan, self._world.schema, sample_states(self._world, now, self.sizes), self.load, beginnings=beginnings
         )
         self.advice = verdict.advice
         return verdict.refusal

@@ -13,7 +13,7 @@ from coral.contact.cost_program import CostError
 from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Match, Memory, RememberedPlan
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
+from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import ImaginedJudge, ImaginedOutcome, imagine
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
@@ -116,9 +116,8 @@ class RecalledPlan:
 class Recall:
     """Chooses among remembered plans at the start of an episode."""
 
-    def __init__(self, questions: Questions, trial: Trial, world: PlanningWorld, cfg: ThinkCfg, load: Loader) -> None:
-        self._questions, self._trial, self._world = questions, trial, world
-        self._cfg, self._load = cfg, load
+    def __init__(self, questions: Questions, trial: Trial, world: PlanningWorld, cfg: ThinkCfg) -> None:
+        self._questions, self._trial, self._world, self._cfg = questions, trial, world, cfg
 
     def choose(self, memory: Memory, first: Observation, emit: Callable[..., None]) -> RecalledPlan | None:
         """Return the plan to follow; None if no remembered plan may be followed. Report each as a `recall` event.
@@ -165,7 +164,7 @@ class Recall:
         )
 
     def _check(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
-        refusal = self._questions.check_plan(one.plan, first, self._load)
+        refusal = self._questions.check_plan(one.plan, first, remembered=True)
         if refusal is None and self._cfg.regions:
             refusal = self._questions.check_regions(one.regions, one.plan)
         strategy = None
@@ -186,8 +185,8 @@ class Recall:
     def _strategy(self, one: RecalledPlan) -> Strategy:
         regions = one.regions if self._cfg.regions else None
         points = None if regions is None else self._questions.touchable_candidates(regions, one.plan)
-        sizes = self._questions.sizes
-        return make_strategy("imagined", one.plan, regions, self._world.schema, sizes, self._load, candidates=points)
+        sizes, load = self._questions.sizes, self._questions.load
+        return make_strategy("imagined", one.plan, regions, self._world.schema, sizes, load, candidates=points)
 
 
 def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:

@@ -19,7 +19,7 @@ from coral.contact.memory.memory import Experience, Match, Memory, RememberedPla
 from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import ABOVE, PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
+from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
 from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
@@ -49,9 +49,9 @@ class Thinker:
     It begins with a remembered plan that fits, or asks for one. When the cost stops falling, it fits masses and
     frictions to the history and asks for another plan.
 
-    `load` loads cost programs in this process, or in the confined one, `worker`, which runs all remembered programs and
-    is closed at the end of the episode. `provenance` (world, seed, variant, advisor) is stored with an experience.
-    `given` beliefs take precedence over the advisor's estimates at the start.
+    `worker`, the confined process, runs all cost programs: answers and memories may come from anyone. It is closed at the
+    end of the episode. `provenance` (world, seed, variant, advisor) is stored with an experience. `given` beliefs take
+    precedence over the advisor's estimates at the start.
     """
 
     def __init__(
@@ -59,18 +59,16 @@ class Thinker:
         asker: Asker,
         cfg: ThinkCfg,
         rng: np.random.Generator,
+        worker: CostWorker,
         memory: Memory | None = None,
-        load: Loader = in_process,
         provenance: Mapping[str, Any] | None = None,
         given: Mapping[str, PhysicalParameters] | None = None,
-        worker: CostWorker | None = None,
     ) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
-        self._rng, self._load = rng, load
+        self._rng, self._worker = rng, worker
         self._provenance = dict(provenance or {})
         self._emit: Callable[..., None]
         self._given = dict(given or {})
-        self._worker = worker or CostWorker()  # its process starts with the first program
         self._correction_schedule = CorrectionSchedule(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0)
         self._now: Observation
         self._repairs = 0
@@ -141,7 +139,7 @@ class Thinker:
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, verify, and make the strategy."""
         self._trial, self._world = trial, world
-        self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._emit, self._limits)
+        self._questions = Questions(self.asker, trial, world, self.cfg, self._worker.load, self._emit, self._limits)
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
         self._monitor = self._new_monitor()
@@ -211,15 +209,11 @@ class Thinker:
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
             return None
-        # A memory may come from anyone and contain model-written code: none of it runs in this process.
-        recall = Recall(self._questions, self._trial, self._world, self.cfg, self._worker.load)
-        chosen = recall.choose(self.memory, first, self._emit)
+        chosen = Recall(self._questions, self._trial, self._world, self.cfg).choose(self.memory, first, self._emit)
         if chosen is None:
             return None
         self._match, self._repairs_left = chosen.match, list(chosen.then)
         self._plan, self._regions = chosen.plan, chosen.regions
-        # So are its repairs: a plan that is kept, or quoted by a repair, is as untrusted as the original.
-        self._load = self._questions.load = self._worker.load
         return self._strategy(f"remembered {chosen.match.stored.id}")
 
     def _strategy(self, name: str) -> Strategy:
@@ -229,10 +223,10 @@ class Thinker:
             self._followed.append(step)
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
         schema, sizes = self._world.schema, self._questions.sizes
-        return make_strategy(name, self._plan, regions, schema, sizes, self._load, candidates)
+        return make_strategy(name, self._plan, regions, schema, sizes, self._worker.load, candidates)
 
     def _new_monitor(self) -> ProgressMonitor:
-        ends = stage_ends(self._plan, self._world.schema, self._load)
+        ends = stage_ends(self._plan, self._world.schema, self._worker.load)
         return ProgressMonitor(self.cfg.outer, tuple(self._plan.names), ends)
 
     def _repaired_strategy(self) -> Strategy:
