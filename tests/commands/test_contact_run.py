@@ -8,7 +8,6 @@ from contact_bench import changed
 from coral.cli import main
 from coral.commands.contact_run import HINT, WAYS_ON, KeyboardVerdict
 from coral.contact.episode.trial_log import END_REASONS
-from coral.contact.episode.variants import VARIANTS, WHAT
 from coral.contact.scene.task_file import TASKS_DIR
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
@@ -119,10 +118,6 @@ def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, varia
     assert main(["contact", "run", str(tmp_path / "copy.yaml"), *words]) == 2
     assert said in capsys.readouterr().err
     assert not out.exists()
-
-
-def test_every_variant_is_explained():
-    assert list(WHAT) == list(VARIANTS)
 
 
 REFUSED = ["--world", "hand", "--variant", "full", *COARSE, "--advisor"]

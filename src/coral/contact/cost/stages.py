@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from coral.contact.cost.context import Array, Context, Terms
 
@@ -57,7 +57,6 @@ class Strategy:
 
     name: str
     stages: tuple[Stage, ...]
-    notes: str = field(default="", compare=False)
     begin: str = ""
     """The stage that it begins with; "" for the first."""
 

@@ -74,45 +74,6 @@ class AdvisorSetup:
     """Calls of real models."""
 
 
-Make = Callable[[Task, AdvisorSetup], Strategist]
-
-
-def _expert_variant(variant: str) -> Make:
-    """Make a variant that follows costs written by a person, which are a wing's."""
-    return lambda task, asking: FixedStrategist(our_part("experts", "cost", "--variant")(task, variant))
-
-
-def _asking_variant(variant: str, **parts: Any) -> Make:
-    """Make a variant that asks an advisor, with parts of `ThinkCfg` enabled or disabled."""
-
-    def make(task: Task, asking: AdvisorSetup) -> Strategist:
-        known = asking.memory if variant in REMEMBERING else None
-        memory = None if known is None else Memory(known, asking.think.memory)
-        think = dataclasses.replace(asking.think, **parts)
-        think = dataclasses.replace(think, regions=think.regions and think.strategy)
-        advisor = asking.given or contact_advisor(asking.advisor, asking.model, asking.inbox, key=(asking.seed, 2))
-        latency = thinking_latency(think.latency, advisor, asking.advisor)
-        clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
-        budget = decision_budget(asking.think.budget, asking.advisor)
-        return Thinker(
-            Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),
-            think,
-            np.random.default_rng([asking.seed, 3]),
-            CostWorker(),
-            memory,
-            {
-                "world": asking.world,
-                "seed": asking.seed,
-                "variant": variant,
-                "advisor": asking.advisor,
-                "run": "" if asking.folder is None else asking.folder.name,
-            },
-            asking.believe,
-        )
-
-    return make
-
-
 def _lazy_logger(folder: Path | None) -> Callable[[Attempt], None] | None:
     """Make a logger into the run folder; its file is opened at the first question."""
     if folder is None:
@@ -127,21 +88,7 @@ def _lazy_logger(folder: Path | None) -> Callable[[Attempt], None] | None:
     return log
 
 
-VARIANTS: dict[str, Make] = {
-    "expert": _expert_variant("expert"),
-    "expert-fsm": _expert_variant("expert-fsm"),
-    "full": _asking_variant("full"),
-    # The same questions; `of_variant` makes the planner the paper's.
-    "paper": _asking_variant("paper"),
-    "no-memory": _asking_variant("no-memory"),
-    "no-refinement": _asking_variant("no-refinement", refine=False),
-    "unguided": _asking_variant("unguided", strategy=False),
-    "no-regions": _asking_variant("no-regions", regions=False),
-    "unified": _asking_variant("unified", unified=True),
-    "no-tracking": _asking_variant("no-tracking", tracking=False),
-}
-"""Function that makes the strategist of each variant."""
-WHAT = {
+VARIANTS = {
     "expert": "One cost for the whole task, written by a person (Table 1: expert, single stage).",
     "expert-fsm": "A cost for each stage and a test for its end, written by a person (Table 1: expert, FSM).",
     "full": "The advisor estimates masses and frictions, writes the cost, says where to touch, and is asked again "
@@ -157,6 +104,14 @@ WHAT = {
     "no-tracking": "`full`, but the advisor guesses the poses once (`object-poses`), and nothing tracks them.",
 }
 """What each variant is."""
+PARTS: Mapping[str, Mapping[str, Any]] = {
+    "no-refinement": {"refine": False},
+    "unguided": {"strategy": False},
+    "no-regions": {"regions": False},
+    "unified": {"unified": True},
+    "no-tracking": {"tracking": False},
+}
+"""Parts of `ThinkCfg` that a variant enables or disables. `paper` asks the same; `of_variant` makes its planner."""
 ALONE = ("expert", "expert-fsm")
 """Variants without an advisor."""
 REMEMBERING = ("full", "paper", "no-refinement", "no-regions", "no-tracking")
@@ -171,7 +126,31 @@ def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None
         InputError: There is no such variant, or it has no strategy for this task.
     """
     check_variant(variant)
-    return VARIANTS[variant](task.known, asking or AdvisorSetup())
+    asking = asking or AdvisorSetup()
+    if variant in ALONE:
+        return FixedStrategist(our_part("experts", "cost", "--variant")(task.known, variant))
+    known = asking.memory if variant in REMEMBERING else None
+    think = dataclasses.replace(asking.think, **PARTS.get(variant, {}))
+    think = dataclasses.replace(think, regions=think.regions and think.strategy)
+    advisor = asking.given or contact_advisor(asking.advisor, asking.model, asking.inbox, key=(asking.seed, 2))
+    latency = thinking_latency(think.latency, advisor, asking.advisor)
+    clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
+    budget = decision_budget(asking.think.budget, asking.advisor)
+    return Thinker(
+        Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),
+        think,
+        np.random.default_rng([asking.seed, 3]),
+        CostWorker(),
+        None if known is None else Memory(known, asking.think.memory),
+        {
+            "world": asking.world,
+            "seed": asking.seed,
+            "variant": variant,
+            "advisor": asking.advisor,
+            "run": "" if asking.folder is None else asking.folder.name,
+        },
+        asking.believe,
+    )
 
 
 def check_variant(variant: str, where: str = "--variant") -> None:

@@ -258,7 +258,7 @@ def make_strategy(
                 keeps_off=not presses_by_design(stage.cost, schema),
             )
         )
-    return Strategy(name, tuple(stages), answer.explanation, answer.begin)
+    return Strategy(name, tuple(stages), answer.begin)
 
 
 def presses_by_design(cost: Cost, schema: Schema) -> bool:

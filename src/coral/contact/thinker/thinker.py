@@ -49,8 +49,8 @@ class Thinker:
     It begins with a remembered plan that fits, or asks for one. When the cost stops falling, it fits masses and
     frictions to the history and asks for another plan.
 
-    `worker`, the confined process, runs all cost programs: answers and memories may come from anyone. It is closed at the
-    end of the episode. `provenance` (world, seed, variant, advisor) is stored with an experience. `given` beliefs take
+    `worker`, the confined process, runs all cost programs: answers and memories may come from anyone. It is closed at
+    the end. `provenance` (world, seed, variant, advisor) is stored with an experience. `given` beliefs take
     precedence over the advisor's estimates at the start.
     """
 
