@@ -50,15 +50,15 @@ SCHEMA = {
     "box_table_contact": Quantity(0, "", "", truth=True),
 }
 NUMBERS = [
-    *("self.time", "self.gripper_opening", "self.box_mass", "0.5", "-1.5", "2", "0", "int(self.time * 3.0)", "1e3"),
-    *("float(self.time)", "(int(self.time * 3.0) * 0.5)", "math.sqrt(self.gripper_opening)"),
+    *("self.time", "self.gripper_opening", "self.box_mass", "0.5", "-1.5", "2", "0", "1e3"),
+    *("float(self.time)", "math.sqrt(self.gripper_opening)"),
     *("max(self.ee_pos[1], 0.0)", "(self.ee_pos[2] if self.box_hand_contact else 0.0)", "-float(self.gripper_opening)"),
 ]
 TRUTHS = ["self.box_hand_contact", "self.box_table_contact", "(self.time > 0.5)", "(self.ee_pos[0] < 0.0)", "True"]
 VECTORS = [
     *("self.ee_pos", "self.box_pos", "self.goal_pos", "self.box_quat", "self.last_action", "[0.1, -0.2, 0.3]"),
     *("np.array([1, 2, 3])", "np.array([0, -1])", "np.ones(1)", "self.ee_pos[:2]", "(0.5, self.time)", "np.zeros(3)"),
-    *("np.array([int(self.time * 3.0), 2, 1])", "self.ee_pos[::-1]", "[2, 0, 1]"),
+    *("self.ee_pos[::-1]", "[2, 0, 1]"),
 ]
 TRUTH_VECTORS = ["(self.ee_pos > 0.0)", "np.array([True, False, True])", "[self.box_hand_contact, True, False]"]
 ODD = [
@@ -327,9 +327,9 @@ class Calls:
     def _of(self, name: str, words: list[str], function: Callable[..., Any]) -> str:
         if name in ("max", "min", "zip") and self.random.random() < 0.5:
             found = ", ".join(self.operand("n") for _ in range(self.random.randint(1, 3)))
-            return f"list({name}({found}))" if name == "zip" else f"{name}({found})"
+            return f"[x for x in {name}({found})]" if name == "zip" else f"{name}({found})"
         found = self._arguments(words, function, 0)
-        return f"list({name}({found}))" if name in ITERATORS else f"{name}({found})"
+        return f"[x for x in {name}({found})]" if name in ITERATORS else f"{name}({found})"
 
     def _arguments(self, words: list[str], function: Callable[..., Any], skipped: int) -> str:
         parameters = list(inspect.signature(function).parameters.values())[1 + skipped :]
@@ -419,7 +419,7 @@ class Programs:
         if kind == 6:
             return f"{pick.choice(['max', 'min', 'np.maximum', 'np.minimum'])}({a()}, {a()})"
         if kind == 7:
-            return f"{pick.choice(['np.exp', 'np.tanh', 'abs', 'float', 'int', 'round', 'math.cos', 'sigmoid'])}({a()})"
+            return f"{pick.choice(['np.exp', 'np.tanh', 'abs', 'float', 'math.cos', 'sigmoid'])}({a()})"
         if kind == 8:
             return f"{pick.choice(['np.linalg.norm', 'np.sum', 'sum', 'max', 'len', 'norm', 'np.mean'])}({b()})"
         if kind == 9:

@@ -33,10 +33,10 @@ def test_the_array_beyond_the_limit_is_refused_before_it_is_made(meter):
     [
         ("np.ones(1000)", "w = v * 1.0"),
         ("np.ones(1000)", "w = v[1:]"),
-        ("list(np.ones(1000))", "w = np.array(v)"),
-        ("list(np.ones(1000))", "w = v + [1.0]"),
-        ("list(np.ones(1000))", "w = max(v)"),
-        ("{'a': list(np.ones(1000))}", "v['b'] = 1.0"),
+        ("[x for x in np.ones(1000)]", "w = np.array(v)"),
+        ("[x for x in np.ones(1000)]", "w = v + [1.0]"),
+        ("[x for x in np.ones(1000)]", "w = max(v)"),
+        ("{'a': [x for x in np.ones(1000)]}", "v['b'] = 1.0"),
     ],
 )
 def test_arithmetic_of_constants_counts_too(start, turn, refusal):

@@ -340,9 +340,9 @@ STYLES = {
             cost **= 2
             return cost
     """,
-    "np.abs and int": """
+    "np.abs and a number of times": """
         def state_cost(self):
-            n = int(3.7)
+            n = 3
             return np.abs(self.time) * n + float(self.box_hand_contact)
     """,
     "constant quantities": """

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from coral.contact.cost_program.arithmetic import (
-    LARGEST_INT,
     apply,
     as_vector,
     binary,
@@ -44,22 +43,6 @@ def of_two(function: Callable[..., Any]) -> Call:
 
     def call(meter: Meter, x1: Value, x2: Value, /) -> Value:
         return apply(meter, function, x1, x2)
-
-    return call
-
-
-def whole_by(function: Callable[..., Any]) -> Call:
-    """Make int, round, math.floor or math.ceil, which give whole numbers."""
-
-    def call(meter: Meter, x: Value = 0, /) -> Value:
-        if isinstance(x, int):
-            return int(x)
-        found = apply(meter, function, numeric(meter, x))
-        if not isinstance(found, np.ndarray):
-            if not abs(found) <= LARGEST_INT:
-                raise meter.fault("too_large_number", "no whole number can be made of this")
-            return int(found)
-        return found
 
     return call
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coral.contact.cost_program import functions
-from coral.contact.cost_program.arithmetic import as_vector, dot, truth
+from coral.contact.cost_program.arithmetic import as_vector, dot
 from coral.contact.cost_program.functions import of_one, of_two, reduction
 from coral.contact.cost_program.limits import MOST_TURNS, Meter
 from coral.contact.cost_program.values import Builtin, Value, entries, is_number, is_vector, kind
@@ -103,17 +103,6 @@ def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
     return list(enumerate(entries(meter, iterable), start))
 
 
-def _sequence(sort: type[list[Value]] | type[tuple[Value, ...]]) -> Callable[..., Value]:
-    def call(meter: Meter, values: Value = (), /) -> Value:
-        return sort(entries(meter, values))
-
-    return call
-
-
-def _bool(meter: Meter, value: Value = False, /) -> Value:
-    return truth(meter, value)
-
-
 def _any(name: str) -> Callable[..., Value]:
     def call(meter: Meter, values: Value, /) -> Value:
         return functions.fold_truth(name, meter, entries(meter, values))
@@ -148,16 +137,11 @@ PYTHON: Table = {
     "sum": Offer(functions.add_up, "list start"),
     "len": Offer(_length, "list"),
     "float": Offer(functions.to_float, "number"),
-    "int": Offer(functions.whole_by(np.trunc), "n"),
-    "bool": Offer(_bool, "number"),
-    "round": Offer(functions.whole_by(np.rint), "n"),
     "range": Offer(_range, "whole"),
     "zip": Offer(_zip, "list"),
     "enumerate": Offer(_enumerate, "list start"),
     "any": Offer(_any("any"), "truths"),
     "all": Offer(_any("all"), "truths"),
-    "list": Offer(_sequence(list), "list"),
-    "tuple": Offer(_sequence(tuple), "list"),
 }
 NUMPY: Table = {
     **{
@@ -187,8 +171,6 @@ MATH: Table = {
     **{name: Offer(of_one(getattr(np, f"arc{name[1:]}")), "n") for name in ("acos", "asin", "atan")},
     "fabs": Offer(of_one(np.abs), "n"),
     "atan2": Offer(of_two(np.arctan2), "n n"),
-    "floor": Offer(functions.whole_by(np.floor), "n"),
-    "ceil": Offer(functions.whole_by(np.ceil), "n"),
 }
 _CIRCLE = {"pi": math.pi, "e": math.e, "inf": math.inf}
 CONSTANTS = {"np": _CIRCLE, "math": {**_CIRCLE, "tau": math.tau}}
@@ -208,9 +190,10 @@ _INSTEAD = {
     "np.average np.median np.nanmean": "np.mean(a)",
     "np.std np.var": "np.mean((a - np.mean(a)) ** 2)",
     "np.float64 np.float32": "float(x)",
-    "np.int32 np.int64 np.trunc np.fix math.trunc": "int(x)",
-    "np.floor": "math.floor(x)",
-    "np.ceil": "math.ceil(x)",
+    "int round math.floor math.ceil math.trunc": "the number itself: a cost in steps has no slope to follow",
+    "np.floor np.ceil np.trunc np.fix np.rint np.round np.around": "the number itself: steps have no slope to follow",
+    "np.int32 np.int64": "dtype=float, or nothing: arrays hold decimals",
+    "bool list tuple": "the value itself",
     "np.add np.subtract np.multiply np.divide": "the operators + - * /",
     "np.fabs np.absolute": "np.abs(x)",
     "np.full np.full_like np.zeros_like np.ones_like": "value * np.ones(n)",
@@ -223,7 +206,6 @@ _INSTEAD = {
     "np.nan_to_num np.isnan np.isfinite math.isnan math.isfinite": "self.NAME_seen, or a guard with max and min",
     "np.sinh np.cosh math.sinh math.cosh np.log1p": "np.exp and np.log",
     "np.log10 math.log10": "np.log(x) / np.log(10)",
-    "np.rint np.around np.round": "round(x)",
     "np.acos np.asin np.atan np.atan2": "np.arccos, np.arcsin, np.arctan, np.arctan2",
     "np.logical_and np.logical_or np.logical_not np.bool_": "and, or, not, of single truth values",
     "np.copy": "the array itself: it cannot be changed",

@@ -72,17 +72,18 @@ class CostProgram:
         Raises:
             CostError: The cost cannot be evaluated on this batch, or is not finite.
         """
-        terms = self._evaluate(Meter(state))
+        terms = self.evaluate(state)
         if not np.isfinite(sum(terms.values())).all():
             raise self.not_finite(state)
         return terms
 
-    def _evaluate(self, meter: Meter) -> Terms:
-        """Return the terms of every state, finite or not.
+    def evaluate(self, state: Context, meter: Meter | None = None) -> Terms:
+        """Return the terms of every state, finite or not; `meter` tells what it took.
 
         Raises:
             CostError: The cost cannot be evaluated on this batch.
         """
+        meter = meter or Meter(state)
         try:
             with np.errstate(all="ignore"):
                 return self._run(meter)
@@ -96,7 +97,7 @@ class CostProgram:
     def not_finite(self, state: Context) -> CostError:
         """Make the error that names where the cost stops being finite."""
         meter = Meter(state, watched=True)
-        self._evaluate(meter)
+        self.evaluate(state, meter)
         if meter.lost is None:
             return CostError("not_finite", "the cost is nan or infinite in some state")
         line, text = meter.lost
