@@ -207,7 +207,7 @@ def _reader_plans(task: str) -> list[PlanAnswer]:
     return [PlanAnswer.model_validate(one["answer"]) for one in kept if one["verdict"] == "accepted"]
 
 
-def fatal(cost: Cost | None, samples: list[Context]) -> list[CostFault]:
+def fatal(cost: Cost | None, samples: Context) -> list[CostFault]:
     """Return the faults that refuse a cost."""
     if cost is None:
         return [CostFault("unknown", 0, "it does not compile")]

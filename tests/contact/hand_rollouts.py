@@ -25,4 +25,4 @@ def rolled_out(rng, closest=0.0, thick=0.012):
     values["box_size"] = np.array([[[0.04, 0.04, 0.04]]])
     values["board_size"] = np.array([[[0.3, 0.2, thick]]])
     values["board_pos"] = np.broadcast_to(np.array([0.4, 0.3, 0.05]), (k, h, 3))
-    return [Context(values, (k, h))]
+    return Context(values, (k, h))

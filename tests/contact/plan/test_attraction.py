@@ -12,7 +12,7 @@ def costing(expression):
 
 
 def resting():
-    return at_rest(rolled_out(np.random.default_rng(0))[0])
+    return at_rest(rolled_out(np.random.default_rng(0)))
 
 
 def test_the_hand_is_led_to_the_target_from_everywhere():

@@ -144,7 +144,7 @@ def test_a_cost_in_a_worker_is_verified_alike(schema):
 
 
 def resting(thick=0.012, **more):
-    values = at_rest(rolled_out(np.random.default_rng(0), thick=thick)[0])
+    values = at_rest(rolled_out(np.random.default_rng(0), thick=thick))
     upright = {"board_quat": np.array([[[1.0, 0.0, 0.0, 0.0]]]), "box_quat": np.array([[[1.0, 0.0, 0.0, 0.0]]])}
     return {**values, **upright, **more}
 

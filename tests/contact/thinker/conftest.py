@@ -16,7 +16,7 @@ def judge_once(plan, schema, samples, load, beginnings):
     """`judge_plan`, which gives the same verdict on the same programs and states."""
     if load is not in_process:
         return judge_plan(plan, schema, samples, load, beginnings)
-    key = hash((plan.model_dump_json(), tuple(schema), tuple(map(values_of, samples))))
+    key = hash((plan.model_dump_json(), tuple(schema), values_of(samples)))
     if key not in VERDICTS:
         VERDICTS[key] = judge_plan(plan, schema, samples, load, beginnings)
     return VERDICTS[key]

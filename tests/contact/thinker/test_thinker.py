@@ -267,7 +267,7 @@ def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(
     assert strategist.counts.memory_hit
     assert worker.pid is not None
     direct, _ = thinker(one)
-    context = one.samples[0]
+    context = one.samples
     expected = direct.begin(one.trial, one.now, one.world).stages[0].cost(context)
     found = strategy.stages[0].cost(context)
     assert all((found[name] == expected[name]).all() for name in expected)

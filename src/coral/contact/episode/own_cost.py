@@ -89,13 +89,13 @@ def own_cost(given: Any, trial: Trial, cfg: EpisodeCfg, where: str = "--cost") -
     if isinstance(given, str):
         given = named_plugin("coral.costs", given, where, ours=[f"FILE{ending}" for ending in ENDINGS])(trial.task)
     strategy = _to_strategy(given, name, where)
-    samples = _sample(trial, cfg)
+    states = _sample(trial, cfg)
     for index, stage in enumerate(strategy.stages):
-        for fault in verify_cost(stage.cost, samples):  # type: ignore[arg-type]
+        for fault in verify_cost(stage.cost, states):  # type: ignore[arg-type]
             if fault.fatal and (index == 0 or fault.code not in OF_THE_PLACE):
                 raise InputError(where, f"stage {stage.name!r}", fault.code, fault.reason)
         try:
-            _read_tests(stage, samples[0].first())
+            _read_tests(stage, states.first())
         except (AttributeError, KeyError, IndexError, TypeError, ValueError, CostError) as error:
             found = f"{type(error).__name__}: {error}"
             raise InputError(where, f"stage {stage.name!r}", found, "conditions and guides of the state") from None
@@ -136,7 +136,7 @@ def _to_strategy(given: Any, name: str, where: str) -> Strategy:
     return dataclasses.replace(strategy, stages=stages)
 
 
-def _sample(trial: Trial, cfg: EpisodeCfg) -> list[Context]:
+def _sample(trial: Trial, cfg: EpisodeCfg) -> Context:
     """Sample rolled-out states of the trial as its judge begins it; only the hand's own world is needed for that."""
     world = make_world("hand", trial, cfg.planning.step_s)
     try:

@@ -8,13 +8,13 @@ leads the hand, which the planner copes with and which is reported to the author
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
+from coral.contact.cost.context import Array, Context, Cost, Derived, Terms, Value
 from coral.contact.cost.schema import objects_of
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.attraction import Attraction, at_rest, follow_cost, total_cost
@@ -28,40 +28,28 @@ REACH_M = 0.015
 TABLE = "table"
 
 
-def verify_cost(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
+def verify_cost(cost: Cost, states: Context) -> list[CostFault]:
     """Return the faults of a cost; it may be used if none of them is fatal.
 
-    The samples are batches of rolled-out states, varied enough to contain both good and bad rollouts; their first state
-    is the one in which the stage begins.
+    The states are rolled out, varied enough to contain both good and bad rollouts; the first one is that in which the
+    stage begins.
     """
-    evaluated: list[tuple[Context, Terms]] = []
-    for sample in samples:
-        try:
-            terms = cost(sample)
-        except CostError as error:
-            return [CostFault(error.code, error.line, str(error))]
-        faults = _malformed_faults(terms, sample)
-        if faults:
-            return faults
-        evaluated.append((sample, terms))
-    if not evaluated:
-        return []
-    faults = _constant_faults(evaluated)
-    if faults:
-        return faults
-    return [*verify_approach(cost, samples), *_idle_faults(evaluated)]
+    try:
+        terms = cost(states)
+    except CostError as error:
+        return [CostFault(error.code, error.line, str(error))]
+    faults = _malformed_faults(terms, states) or _constant_faults(terms, states)
+    return faults or [*verify_approach(cost, states), *_idle_faults(terms)]
 
 
-def verify_approach(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
+def verify_approach(cost: Cost, states: Context) -> list[CostFault]:
     """Return the faults of the way on which a cost leads the hand; see `verify_cost`."""
-    if any("ee_pos" not in sample for sample in samples):
-        return []
-    values = at_rest(samples[0])
+    values = at_rest(states)
     try:
         attraction = follow_cost(cost, values)
         return [
             *gate_barriers(cost, values, attraction),
-            *touch_barriers(cost, pooled(samples, STATES), attraction),
+            *touch_barriers(cost, pooled(states, STATES), attraction),
             *unreachable(values, attraction),
         ]
     except CostError as error:
@@ -70,33 +58,27 @@ def verify_approach(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
         return [CostFault(error.code, error.line, str(error))]
 
 
-def pooled(samples: Sequence[Context], count: int) -> Context:
-    """Pool states of all samples, evenly chosen, into one batch, Shape=(n, 1)."""
-    names = set(samples[0].names())
-    for sample in samples[1:]:
-        names &= set(sample.names())
-    each = max(1, count // len(samples))
-    derived = {name: value for name in names if isinstance(value := samples[0].source(name), Derived)}
-    parts: dict[str, list[Array]] = {name: [] for name in names if name not in derived}
-    for sample in samples:
-        k, h = sample.shape
-        chosen = np.unique(np.linspace(0, k * h - 1, each).astype(int))
-        for name in parts:
-            values = np.asarray(sample[name], dtype=np.float64)
-            full = np.broadcast_to(values, (k, h, *values.shape[2:])).reshape(k * h, 1, *values.shape[2:])
-            parts[name].append(full[chosen])
-    joined = {name: np.concatenate(arrays) for name, arrays in parts.items()}
-    return Context({**joined, **derived}, (len(next(iter(joined.values()))), 1))
+def pooled(states: Context, count: int) -> Context:
+    """Choose states evenly from a batch, Shape=(n, 1)."""
+    k, h = states.shape
+    chosen = np.unique(np.linspace(0, k * h - 1, count).astype(int))
+    values: dict[str, Value] = {}
+    for name in states.names():
+        values[name] = source = states.source(name)
+        if not isinstance(source, Derived):
+            full = np.broadcast_to(np.asarray(source, dtype=np.float64), (k, h, *source.shape[2:]))
+            values[name] = full.reshape(k * h, 1, *source.shape[2:])[chosen]
+    return Context(values, (len(chosen), 1))
 
 
-def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
+def _malformed_faults(terms: Terms, states: Context) -> list[CostFault]:
     if not terms:
         return [CostFault("shape", 0, "the cost has no terms: return a number, or a dict of named terms")]
     for name, term in terms.items():
         values = np.asarray(term)
-        fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
+        fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, states.shape, strict=True))
         if not fits or not np.issubdtype(values.dtype, np.number):
-            found = f"has shape {values.shape} in a batch of {sample.shape}; it must be one number per state"
+            found = f"has shape {values.shape} in a batch of {states.shape}; it must be one number per state"
             return [CostFault("shape", 0, f"the term {name!r} {found}")]
         if not np.isfinite(values).all():
             found = "is nan or infinite in some state: guard its division, root or logarithm"
@@ -104,11 +86,10 @@ def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
     return []
 
 
-def _constant_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
-    for sample, terms in evaluated:
-        rollouts = total_cost(terms, sample.shape).sum(axis=1)
-        if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
-            return []
+def _constant_faults(terms: Terms, states: Context) -> list[CostFault]:
+    rollouts = total_cost(terms, states.shape).sum(axis=1)
+    if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
+        return []
     reason = (
         "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
         "it depend on where the hand and the objects are"
@@ -116,12 +97,11 @@ def _constant_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     return [CostFault("constant", 0, reason)]
 
 
-def _idle_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
+def _idle_faults(terms: Terms) -> list[CostFault]:
     """Find terms that never change: no reason to refuse, since a phase may not have begun, but worth reporting."""
     faults = []
-    for name in evaluated[0][1]:
-        values = [np.asarray(terms[name]) for _, terms in evaluated if name in terms]
-        low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
+    for name, values in terms.items():
+        low, high = float(values.min()), float(values.max())
         if high - low <= 1e-12 * (1.0 + abs(high)):
             text = f"the term {name!r} is {high + 0.0:g} in every sampled state, so it guides nothing yet"
             faults.append(CostFault("constant", 0, text, fatal=False))

@@ -18,7 +18,7 @@ NOISE = (0.05, 3.0)
 OPENING_M = (SQUEEZE_M, MAX_OPENING_M)
 OF_THE_PLACE = ("unreachable", "barrier")
 """Faults that depend on where things stand: a later stage has them only where it begins."""
-Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Sequence[Context]]]
+Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Context]]
 """States around those in which the later stages begin, by the stage's name; a stage that is never reached has none."""
 
 
@@ -35,7 +35,7 @@ class PlanVerdict:
 def judge_plan(
     answer: PlanAnswer,
     schema: Schema,
-    samples: Sequence[Context],
+    states: Context,
     load: Loader = in_process,
     beginnings: Beginnings | None = None,
 ) -> PlanVerdict:
@@ -51,7 +51,7 @@ def judge_plan(
     first = answer.begin or answer.names[0]
     for made in compiled:
         name = made.answer.name
-        every = (*verify_cost(made.cost, samples), *_condition_faults(made, samples))
+        every = (*verify_cost(made.cost, states), *_condition_faults(made, states))
         faults = [replace(fault, stage=name) for fault in every]
         if name == first:
             found += faults
@@ -60,13 +60,13 @@ def judge_plan(
         if any(fault.code in OF_THE_PLACE for fault in faults):
             unsure.add(name)
     if unsure and beginnings is not None and not any(one.fatal for one in found):
-        states = beginnings(compiled)
+        begun = beginnings(compiled)
         for made in compiled:
             name = made.answer.name
-            if name in unsure and states.get(name):
+            if name in unsure and name in begun:
                 found += [
                     replace(fault, stage=name)
-                    for fault in verify_cost(made.cost, states[name])
+                    for fault in verify_cost(made.cost, begun[name])
                     if fault.code in OF_THE_PLACE
                 ]
     return _verdict(answer, found)
@@ -108,7 +108,7 @@ def _compile_each(answer: PlanAnswer, schema: Schema, load: Loader) -> tuple[lis
     return compiled, broken
 
 
-def _condition_faults(made: Compiled, samples: Sequence[Context]) -> list[CostFault]:
+def _condition_faults(made: Compiled, states: Context) -> list[CostFault]:
     """Return the faults of a stage's conditions and of its point on rolled-out states."""
     faults = []
     ways = ((f"next.{to}", way) for to, way in made.next.items())
@@ -116,8 +116,7 @@ def _condition_faults(made: Compiled, samples: Sequence[Context]) -> list[CostFa
         if program is None:
             continue
         try:
-            for sample in samples[:1]:
-                program(sample)
+            program(states)
         except CostError as error:
             faults.append(CostFault(error.code, 0, f"`{field}`: {error.text}"))
     return faults

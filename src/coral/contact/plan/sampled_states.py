@@ -21,7 +21,7 @@ COMMON_SEED = 20_260
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
-def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Array]) -> list[Context]:
+def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Array]) -> Context:
     """Sample rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
 
     Half of them approach the objects: each from above, pressed down on, and down beside each side and against it. The
@@ -35,7 +35,7 @@ def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Ar
     quaternion = np.stack([_interpolate_rotation(now.tool.quaternion, path[1], share) for path in paths])
     opening = np.stack([now.opening_m + (path[2] - now.opening_m) * np.minimum(1, 2 * share) for path in paths])
     context, _ = world.rollout(now, ControlSequences(position, quaternion, opening, world.cfg.hand.stiffness_n_m))
-    return [context]
+    return context
 
 
 ToolPath = tuple[list[Array], Array, float]

@@ -215,7 +215,7 @@ class Questions:
         if self._cfg.prompt == "paper" and plan.stages and not remembered and self._asker.source == "advisor":
             return Rejection(code="stages", reason="give one function, `code`, and no stages")
 
-        def beginnings(compiled: Sequence[Compiled]) -> dict[str, list[Context]]:
+        def beginnings(compiled: Sequence[Compiled]) -> dict[str, Context]:
             followed = make_strategy("imagined", plan, None, self._world.schema, self.sizes, self.load)
             names = [made.answer.name for made in compiled]
             found = stage_beginnings(self._world, followed, now, names)
