@@ -120,7 +120,7 @@ class Opening:
         self.samples = self.sample()
         self.schema: Schema = self.planner.schema
 
-    def sample(self) -> list[Context]:
+    def sample(self) -> Context:
         """Sample the states on which costs are checked."""
         sizes = {name: self.trial.size(name) for name in self.trial.objects}
         return sample_states(self.planner, self.now, sizes)

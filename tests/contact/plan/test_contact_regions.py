@@ -43,7 +43,7 @@ def test_guides_follow_the_object_and_keep_the_fingers_off_the_table(scene):
     state = one.world.present(one.now)
     body = one.now.objects["box"]
     side = Region(center=(-size[0] / 2, 0.0, 0.0), normal=(-1.0, 0.0, 0.0), extent=0.0, num_samples=1, approach="push")
-    made = guide("box", side, size)
+    made = guide("box", side, size, candidates(side))
     points, tool = made.points(state), made.quaternion(state)
     outward = rotate(body.quaternion, [-1.0, 0, 0])
     assert np.allclose(points[0], body.position + outward * (size[0] / 2 + 0.010), atol=1e-3)
@@ -56,7 +56,7 @@ def test_a_pinch_closes_across_the_narrow_side(scene):
     one = scene("pick-box", 3)
     size = one.sizes["box"]
     top = Region(center=(0, 0, size[2] / 2), normal=(0, 0, 1), approach="pinch")
-    tool = guide("box", top, size).quaternion(one.world.present(one.now))
+    tool = guide("box", top, size, candidates(top)).quaternion(one.world.present(one.now))
     narrow = int(np.argmin(size[:2]))
     across = rotation_of(one.now.objects["box"].quaternion)[:, narrow]
     assert abs(float(rotation_of(tool)[:, 1] @ across)) > 0.999

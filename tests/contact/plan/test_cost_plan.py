@@ -94,14 +94,14 @@ def test_a_region_guides_the_stages_it_is_for(scene):
     side = {"center": (0.0, 0.02, 0.0), "normal": (0.0, 1.0, 0.0)}
     regions = RegionsAnswer({"box": ObjectRegions(regions=[Region(**side, stage="b"), Region(**side)])})
 
-    def guides(regions, **more):
-        made = make_strategy("x", plan, regions, one.world.schema, one.sizes, **more)
-        return [len(stage.guides) for stage in made.stages]
+    def made(regions, *counts):
+        points = [np.zeros((count, 3)) for count in counts]
+        return make_strategy("x", plan, regions, one.world.schema, one.sizes, candidates=points).stages
 
-    assert guides(None) == [0, 0]
-    assert guides(regions) == [2, 2]
-    assert guides(regions, candidates=[np.zeros((0, 3)), np.zeros((1, 3))]) == [2, 1]
-    way = make_strategy("x", plan, regions, one.world.schema, one.sizes).stages[0].guides[-1]
+    assert [len(stage.guides) for stage in made(None)] == [0, 0]
+    assert [len(stage.guides) for stage in made(regions, 1, 1)] == [2, 2]
+    assert [len(stage.guides) for stage in made(regions, 0, 1)] == [2, 1]
+    way = made(regions, 1, 1)[0].guides[-1]
     now = one.world.present(one.now)
     np.testing.assert_allclose(way.points(now), [one.now.tool.position + np.array([0.0, 0.0, 0.1])])
     assert way.opening_m == 0.03

@@ -13,6 +13,7 @@ from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.memory.memory import Memory, MemoryCfg, RememberedPlan
 from coral.contact.memory.wording import HashedConcepts
+from coral.contact.plan.contact_regions import candidates
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process, make_strategy
 from coral.contact.plan.imagined_run import ImaginedOutcome
 from coral.contact.thinker.asker import Asker
@@ -174,7 +175,8 @@ def tried(one, *stages, cfg=SOON, repaired=False):
 def test_a_good_plan_succeeds_and_its_run_ends_then(scene):
     one = scene("pick-box")
     made = compose(one.facts)
-    strategy = make_strategy("x", made.plan, made.regions, one.world.schema, one.sizes, in_process)
+    points = [candidates(region) for _, region in made.regions.each()]
+    strategy = make_strategy("x", made.plan, made.regions, one.world.schema, one.sizes, in_process, points)
     found = try_recalled(one.world, one.trial, strategy, made.plan.names, one.now, OuterCfg())
     assert (found.outcome.succeeded, found.refusal) == (True, "")
     assert found.outcome.spare_s == pytest.approx(one.trial.task.time_limit_s - found.length_s, abs=0.2)

@@ -12,7 +12,7 @@ NEAR, FAR = (0.0, 0.0, 0.1), (0.0, 0.0, -0.1)
 
 def firsts(found):
     """The step at which each window begins."""
-    return [round(window.start.time_s / 0.02) for window in found]
+    return [round(window[0].before.time_s / 0.02) for window in found]
 
 
 def test_a_history_without_touch_says_nothing():
@@ -25,7 +25,7 @@ def test_a_history_without_touch_says_nothing():
 def test_windows_of_an_object_that_slides_overlap_by_half():
     found = windows(history(24, box=sliding(1.0)), "box")
     assert firsts(found) == [0, 6, 12]
-    assert {len(window.steps) for window in found} == {12}
+    assert {len(window) for window in found} == {12}
 
 
 def test_a_history_shorter_than_a_window_has_none():

@@ -7,7 +7,6 @@ from histories import history
 
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 
 
@@ -23,12 +22,10 @@ def window(one, command, steps=4):
     target = dataclasses.replace(
         begun[0].command, position=one.now.tool.position, quaternion=one.now.tool.quaternion, **command
     )
-    return Window(
-        tuple(
-            dataclasses.replace(step, before=before, command=target, after=after)
-            for step, before, after in zip(begun, still, ends, strict=True)
-        )
-    )
+    return [
+        dataclasses.replace(step, before=before, command=target, after=after)
+        for step, before, after in zip(begun, still, ends, strict=True)
+    ]
 
 
 def parts(one, command, **beliefs):
@@ -53,9 +50,9 @@ def test_a_commanded_force_is_replayed_as_a_target_that_pulls_as_hard(scene):
     ahead = one.now.tool.position + np.array([0.01, 0.0, 0.0])
     pushed = parts(one, {"force": np.array([6.0, 0.0, 0.0]), "stiffness": 600.0})
     replay = HistoryReplay(one.world, [window(one, {"stiffness": 600.0})])
-    steps = replay.windows[0].steps
+    (steps,) = replay.windows
     replay.windows = [
-        Window(tuple(dataclasses.replace(s, command=dataclasses.replace(s.command, position=ahead)) for s in steps))
+        [dataclasses.replace(s, command=dataclasses.replace(s.command, position=ahead)) for s in steps],
     ]
     np.testing.assert_allclose(replay.parts([one.beliefs], "box")[0, 0], pushed, rtol=1e-9)
 
@@ -73,7 +70,7 @@ def test_nothing_sleeps_in_a_replay(scene):
     assert all(model.opt.enableflags & SLEEP == SLEEP for model in one.world.models)
     begun = history(3, **{name: body.position for name, body in one.now.objects.items()})
     steps = [dataclasses.replace(step, before=one.now, after=one.now) for step in begun]
-    HistoryReplay(one.world, [Window(tuple(steps))]).parts([one.beliefs], "can")
+    HistoryReplay(one.world, [steps]).parts([one.beliefs], "can")
     assert not any(model.opt.enableflags & SLEEP for model in one.world.models)
 
 

@@ -8,7 +8,6 @@ from histories import history
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model import identification as module
 from coral.contact.world_model.force_balance import Balance
-from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
     compare,
@@ -23,7 +22,7 @@ TRUTH, FIRST = PhysicalParameters(0.1, 0.5), PhysicalParameters(2.0, 0.9)
 def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
     one = scene("pick-box")
     steps = [dataclasses.replace(step, before=one.now, after=one.now) for step in history(6, box=(0.0, 0.0, 0.03))]
-    before, after = compare(HistoryReplay(one.world, [Window(tuple(steps))]), "box", one.beliefs, one.beliefs)
+    before, after = compare(HistoryReplay(one.world, [steps]), "box", one.beliefs, one.beliefs)
     assert before == after
 
 

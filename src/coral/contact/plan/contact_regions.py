@@ -152,13 +152,13 @@ def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Ap
     return np.asarray(surface + out * (PAD_M if approach == "push" else TIP_M))
 
 
-def guide(name: str, region: Region, size: Array, local: Array | None = None) -> Guide:
+def guide(name: str, region: Region, size: Array, local: Array) -> Guide:
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
 
     `size`, Shape=(3,), is the full extents of the object (m), `local`, Shape=(n, 3) m, the touchable candidates in its
-    frame; by default the flat disc.
+    frame.
     """
-    local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
+    normal = np.asarray(region.normal, dtype=float)
     closing = closing_axis(normal, size) if region.closing is None else region.closing
 
     def how(state: Context) -> tuple[Array, Array, Approach]:

@@ -221,13 +221,12 @@ def make_strategy(
     schema: Schema,
     sizes: Mapping[str, Array],
     load: Loader = in_process,
-    candidates: Sequence[Array] | None = None,
+    candidates: Sequence[Array] = (),
 ) -> Strategy:
     """Make the strategy that the planner follows, from a verified plan.
 
     Without verified regions the sampling is unguided (`unguided`, `no-regions`). `sizes` are full extents of the
-    objects (m); `candidates` the touchable points of each region, in order, Shape=(n, 3) m in the object's frame, by
-    default the regions' flat discs.
+    objects (m); `candidates` the touchable points of each region, in order, Shape=(n, 3) m in the object's frame.
 
     Raises:
         CostError: A program is not of the accepted language.
@@ -237,11 +236,10 @@ def make_strategy(
         said = stage.answer
         guides: list[Guide] = []
         if regions is not None:
-            held: Sequence[Array | None] = candidates or [None] * len(regions.each())
             guides = [
-                guide(thing, region, np.asarray(sizes[thing]), local=points)
-                for (thing, region), points in zip(regions.each(), held, strict=True)
-                if region.stage in ("", said.name) and (points is None or len(points))
+                guide(thing, region, np.asarray(sizes[thing]), points)
+                for (thing, region), points in zip(regions.each(), candidates, strict=True)
+                if region.stage in ("", said.name) and len(points)
             ]
             if stage.toward is not None:
                 guides.append(Guide(_points(stage.toward, schema), opening_m=said.opening))

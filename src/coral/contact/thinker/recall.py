@@ -184,7 +184,7 @@ class Recall:
 
     def _strategy(self, one: RecalledPlan) -> Strategy:
         regions = one.regions if self._cfg.regions else None
-        points = None if regions is None else self._questions.touchable_candidates(regions, one.plan)
+        points = [] if regions is None else self._questions.touchable_candidates(regions, one.plan)
         sizes, load = self._questions.sizes, self._questions.load
         return make_strategy("imagined", one.plan, regions, self._world.schema, sizes, load, candidates=points)
 

@@ -221,7 +221,7 @@ class Thinker:
         step = RememberedPlan(plan=self._plan, regions=self._regions)
         if not self._followed or self._followed[-1] != step:
             self._followed.append(step)
-        candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
+        candidates = [] if regions is None else self._questions.touchable_candidates(regions, self._plan)
         schema, sizes = self._world.schema, self._questions.sizes
         return make_strategy(name, self._plan, regions, schema, sizes, self._worker.load, candidates)
 

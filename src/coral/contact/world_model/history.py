@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,16 +17,8 @@ MOVED_M, FORCE_N = 0.0005, 0.3
 NEAR_M = 0.25
 
 
-@dataclass(frozen=True)
-class Window:
-    """Consecutive steps."""
-
-    steps: tuple[Transition, ...]
-
-    @property
-    def start(self) -> Observation:
-        """Return the observation at its start."""
-        return self.steps[0].before
+Window = Sequence[Transition]
+"""Consecutive steps."""
 
 
 def windows(
@@ -48,7 +39,7 @@ def windows(
         moved = float(np.linalg.norm(way, axis=1).sum())
         force = float(np.mean([np.linalg.norm(step.after.wrench[:3]) for step in part]))
         if moved > MOVED_M or (force > FORCE_N and _is_near(part, name)):
-            found.append((moved + 0.002 * min(force, 5.0), first, Window(tuple(part))))
+            found.append((moved + 0.002 * min(force, 5.0), first, part))
     best = sorted(found, key=lambda item: -item[0])[:MOST]
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
 

@@ -11,7 +11,7 @@ import numpy as np
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.geometry import angle_between
-from coral.contact.scene.observation import Array
+from coral.contact.scene.observation import Array, Transition
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.history import Window
 
@@ -63,27 +63,25 @@ class HistoryReplay:
 
     def controls(self, window: Window) -> ControlSequences:
         """Return the commands of a window as one control sequence."""
-        steps = window.steps
-        stiffness = float(np.median([step.command.stiffness for step in steps]))
+        stiffness = float(np.median([step.command.stiffness for step in window]))
         # A rollout has constant stiffness and no added force: both become displacements with the same pull.
-        position = np.array([_pulled_position(step.before.tool.position, step.command, stiffness) for step in steps])
+        position = np.array([_pulled_position(step, stiffness) for step in window])
         return ControlSequences(
             position[None],
-            np.array([step.command.quaternion for step in steps])[None],
-            np.array([[step.command.opening_m for step in steps]]),
+            np.array([step.command.quaternion for step in window])[None],
+            np.array([[step.command.opening_m for step in window]]),
             stiffness,
         )
 
     def _parts(self, window: Window, name: str, count: int) -> Array:
-        steps = window.steps
-        states, sane = self.world.rollout(window.start, self.controls(window))
-        measured = [step.after.objects[name] for step in steps]
+        states, sane = self.world.rollout(window[0].before, self.controls(window))
+        measured = [step.after.objects[name] for step in window]
         place = np.array([body.position for body in measured])
         turn = np.array([body.quaternion for body in measured])
         speed = np.array([body.velocity for body in measured])
-        hand = np.array([step.after.tool.position for step in steps])
-        force = np.array([step.after.wrench[:3] for step in steps])
-        shape = (count, len(steps))
+        hand = np.array([step.after.tool.position for step in window])
+        force = np.array([step.after.wrench[:3] for step in window])
+        shape = (count, len(window))
         felt = np.broadcast_to(states.ee_force, (*shape, 3)).mean(axis=1) - force.mean(axis=0)
         unit = FORCE_N + FORCE_SHARE * float(np.linalg.norm(force.mean(axis=0)))
         ahead = np.linalg.norm((states.ee_pos - hand).mean(axis=1), axis=-1)
@@ -110,16 +108,16 @@ def compare_motions(
     replay.world.believe([believed])
     rows: list[dict[str, Any]] = []
     for window in replay.windows[:COMPARED]:
-        states, sane = replay.world.rollout(window.start, replay.controls(window))
+        states, sane = replay.world.rollout(window[0].before, replay.controls(window))
         if not sane[0]:
             continue
-        before, after = window.start.objects[name], window.steps[-1].after.objects[name]
-        force = np.mean([step.after.wrench[:3] for step in window.steps], axis=0)
+        before, after = window[0].before.objects[name], window[-1].after.objects[name]
+        force = np.mean([step.after.wrench[:3] for step in window], axis=0)
         end = np.asarray(states[f"{name}_quat"])[0, -1]
         rows.append(
             {
-                "from_s": round(window.start.time_s, 2),
-                "to_s": round(window.steps[-1].after.time_s, 2),
+                "from_s": round(window[0].before.time_s, 2),
+                "to_s": round(window[-1].after.time_s, 2),
                 "expected_moved_mm": _tenths(1e3 * (np.asarray(states[f"{name}_pos"])[0, -1] - before.position)),
                 "measured_moved_mm": _tenths(1e3 * (after.position - before.position)),
                 "expected_turned_deg": round(float(np.degrees(angle_between(end, before.quaternion))), 1),
@@ -140,6 +138,6 @@ def _rms(error: Array) -> Array:
     return np.asarray(np.sqrt(np.square(error).mean(axis=1)))
 
 
-def _pulled_position(tool: Array, command: object, stiffness: float) -> Array:
-    position, own, force = (getattr(command, key) for key in ("position", "stiffness", "force"))
-    return np.asarray(tool + ((position - tool) * own + force) / stiffness)
+def _pulled_position(step: Transition, stiffness: float) -> Array:
+    tool, command = step.before.tool.position, step.command
+    return np.asarray(tool + ((command.position - tool) * command.stiffness + command.force) / stiffness)
