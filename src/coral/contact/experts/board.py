@@ -57,14 +57,6 @@ def grip(state: Context) -> Array:
     return np.asarray(state.board_handle_pos - 0.024 * POINTING)
 
 
-def _distance(first: Array, second: Array) -> Array:
-    return norm(first - second)
-
-
-def _turn(state: Context, quaternion: Array) -> Array:
-    return turned(state.ee_quat, quaternion)
-
-
 def push_terms(state: Context, overhang: float) -> Terms:
     """Compute the terms of pushing the board straight out over the edge."""
     short = np.clip(overhang - edge(state), 0.0, None)
@@ -72,9 +64,9 @@ def push_terms(state: Context, overhang: float) -> Terms:
     drift = np.abs((state.board_pos - state.board_init_pos)[..., 0])
     return {
         "overhang": 20.0 * short + 60.0 * too_far,
-        "stay behind": 8.0 * _distance(state.ee_pos, behind(state, pushing_gap(state))),
+        "stay behind": 8.0 * norm(state.ee_pos - behind(state, pushing_gap(state))),
         "straight": 3.0 * turned(state.board_quat, np.array([1.0, 0, 0, 0])) + 5.0 * drift,
-        "point down": 2.0 * _turn(state, DOWN_WIDE),
+        "point down": 2.0 * turned(state.ee_quat, DOWN_WIDE),
         "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
         "gently": 1.0 * norm(state.board_vel) + 0.01 * norm(state.ee_force),
     }
@@ -92,13 +84,11 @@ def fsm(task: Task) -> Strategy:
 
     def approach(state: Context) -> Terms:
         goal = behind(state, 0.03)
-        above = (
-            np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_distance(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
-        )
+        above = np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(norm(state.ee_pos - goal) - 0.05, 0, 0.1) * 100
         return {
-            "reach": 10.0 * _distance(state.ee_pos, goal),
+            "reach": 10.0 * norm(state.ee_pos - goal),
             "from above": above,
-            "point down": 3.0 * _turn(state, DOWN_WIDE),
+            "point down": 3.0 * turned(state.ee_quat, DOWN_WIDE),
             "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
             "leave alone": leave(state),
         }
@@ -115,8 +105,8 @@ def fsm(task: Task) -> Strategy:
     def pinch(state: Context) -> Terms:
         both = state.board_left_contact * state.board_right_contact
         return {
-            "stay": 10.0 * _distance(state.ee_pos, grip(state)),
-            "turn": 2.0 * _turn(state, PINCH),
+            "stay": 10.0 * norm(state.ee_pos - grip(state)),
+            "turn": 2.0 * turned(state.ee_quat, PINCH),
             "close": 20.0 * (state.gripper_target + 0.04),
             "hold": -1.0 * both,
             "leave alone": leave(state),
@@ -127,14 +117,14 @@ def fsm(task: Task) -> Strategy:
         return {
             "lift": 10.0 * np.clip(height - lowest, 0, None),
             "carry level": 1.0 * turned(state.board_quat, state.board_init_quat),
-            "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * _distance(state.ee_pos, grip(state)),
-            "turn": 0.5 * _turn(state, PINCH),
+            "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * norm(state.ee_pos - grip(state)),
+            "turn": 0.5 * turned(state.ee_quat, PINCH),
             "calm": calm(state),
             "stay near": 2.0 * norm((state.ee_pos - state.board_init_pos)[..., :1]),
         }
 
     def at(goal: Array, quaternion: Array, now: Context, near_m: float, angle: float) -> bool:
-        return bool(_distance(now.ee_pos, goal)[0, 0] < near_m and _turn(now, quaternion)[0, 0] < angle)
+        return bool(norm(now.ee_pos - goal)[0, 0] < near_m and turned(now.ee_quat, quaternion)[0, 0] < angle)
 
     def to(goal: Place, quaternion: Array | None, opening: float) -> tuple[Guide, ...]:
         turn_to = None if quaternion is None else (lambda now: quaternion)
@@ -147,8 +137,8 @@ def fsm(task: Task) -> Strategy:
 
         def pose(state: Context) -> Terms:
             return {
-                "reach": 10.0 * _distance(state.ee_pos, goal(state)),
-                "turn": 2.0 * _turn(state, quaternion),
+                "reach": 10.0 * norm(state.ee_pos - goal(state)),
+                "turn": 2.0 * turned(state.ee_quat, quaternion),
                 "opening": 15.0 * np.abs(state.gripper_target - 0.07),
                 "leave alone": leave(state),
                 "calm": calm(state),
@@ -160,7 +150,7 @@ def fsm(task: Task) -> Strategy:
         return Stage(name, pose, to(goal, quaternion, 0.07), until=arrived, next=back, sigma=sigma)
 
     def lost(now: Context) -> bool:
-        return bool(_distance(now.ee_pos, grip(now))[0, 0] > 0.06)
+        return bool(norm(now.ee_pos - grip(now))[0, 0] > 0.06)
 
     def short(now: Context) -> bool:
         return bool(edge(now)[0, 0] < overhang - 0.015)
@@ -213,14 +203,14 @@ def single(task: Task) -> Strategy:
     def cost(state: Context) -> Terms:
         ready = 1.0 / (1.0 + np.exp(-200.0 * (edge(state) - overhang + 0.012)))
         pushing = {f"push: {name}": (1 - ready) * term for name, term in push_terms(state, overhang).items()}
-        distance = _distance(state.ee_pos, grip(state))
+        distance = norm(state.ee_pos - grip(state))
         close = near(distance, 0.02)
         both = state.board_left_contact * state.board_right_contact
         lowest = np.minimum(state.board_rear_pos[..., 2], state.board_pos[..., 2])
         return {
             **pushing,
             "pick: reach": ready * 10.0 * (distance - 1.0),
-            "pick: turn": ready * 2.0 * _turn(state, PINCH),
+            "pick: turn": ready * 2.0 * turned(state.ee_quat, PINCH),
             "pick: open": ready * (1 - close) * 15.0 * (0.08 - state.gripper_target),
             "pick: come from above": ready
             * 30.0

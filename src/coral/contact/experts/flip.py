@@ -6,11 +6,13 @@ friction holds and the box tips; too low, it slides.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from coral.contact.cost.context import Context, Terms
-from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.terms import ABREAST_M, PAD_M, axis, dot, near, norm, on_box, palm_down
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.experts.terms import ABREAST_M, PAD_M, abreast, axis, dot, near, norm, on_box, palm_down, squareness
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
@@ -39,10 +41,6 @@ def facing(state: Context, name: str) -> Array:
     return palm_down(ahead(state, name)[0, 0])
 
 
-def _squareness(state: Context, name: str) -> Array:
-    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead(state, name)))
-
-
 def single(task: Task) -> Strategy:
     """Use one cost: stay behind the top of the box until it leans, and move away once it lies."""
     name = task.objects[0].name
@@ -53,21 +51,15 @@ def single(task: Task) -> Strategy:
         return {
             "reach": 10.0 * norm(state.ee_pos - behind(state, name)) * (1 - lying),
             "tip": -4.0 * lean,
-            "square": 1.0 * _squareness(state, name),
+            "square": 1.0 * squareness(state, ahead(state, name)),
             "abreast": 10.0 * np.abs(state.gripper_target - ABREAST_M),
             "do not slide": 3.0 * norm((on_box(state, name, 1.0, -1.0) - state[f"{name}_init_pos"])[..., :2]),
             "gently": 0.02 * norm(state[f"{name}_hand_force"]),
             "let go": 1.0 * lying * state[f"{name}_hand_contact"],
         }
 
-    return Strategy(
-        "flip, single stage",
-        (
-            Stage(
-                "flip", cost, (Guide(lambda now: behind(now, name, 0.01)[0], lambda now: facing(now, name), ABREAST_M),)
-            ),
-        ),
-    )
+    guide = abreast(lambda now: behind(now, name, 0.01), partial(facing, name=name))
+    return Strategy("flip, single stage", (Stage("flip", cost, (guide,)),))
 
 
 def fsm(task: Task) -> Strategy:
@@ -79,7 +71,7 @@ def fsm(task: Task) -> Strategy:
             "reach": 12.0 * norm(state.ee_pos - behind(state, name, 0.015)),
             # On the way around the box: a push from above or from a side would topple it in another direction.
             "leave alone": 1.0 * state[f"{name}_hand_contact"] + 0.2 * norm(state[f"{name}_hand_force"]),
-            "square": 4.0 * _squareness(state, name),
+            "square": 4.0 * squareness(state, ahead(state, name)),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
         }
 
@@ -87,7 +79,7 @@ def fsm(task: Task) -> Strategy:
         return {
             "behind": 10.0 * norm(state.ee_pos - behind(state, name)),
             "tip": 5.0 * (1 - tipped(state, name)),
-            "square": 3.0 * _squareness(state, name),
+            "square": 3.0 * squareness(state, ahead(state, name)),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
             "gently": 0.05 * norm(state[f"{name}_hand_force"]),
             "calm": 0.3 * norm(state.ee_vel),
@@ -99,12 +91,14 @@ def fsm(task: Task) -> Strategy:
         return {
             "away": 8.0 * norm(state.ee_pos - away),
             "let go": 1.0 * state[f"{name}_hand_contact"],
-            "square": 2.0 * _squareness(state, name),
+            "square": 2.0 * squareness(state, ahead(state, name)),
             "calm": 0.3 * norm(state.ee_vel),
         }
 
     def in_place(now: Context) -> bool:
-        return bool(norm(now.ee_pos - behind(now, name, 0.015))[0, 0] < 0.015 and _squareness(now, name)[0, 0] < 0.1)
+        return bool(
+            norm(now.ee_pos - behind(now, name, 0.015))[0, 0] < 0.015 and squareness(now, ahead(now, name))[0, 0] < 0.1
+        )
 
     def strayed(now: Context) -> bool:
         return bool(tipped(now, name)[0, 0] < 0.15 and norm(now.ee_pos - behind(now, name))[0, 0] > 0.06)
@@ -115,23 +109,14 @@ def fsm(task: Task) -> Strategy:
     def standing(now: Context) -> bool:
         return bool(tipped(now, name)[0, 0] < 0.3)
 
-    beyond = Guide(lambda now: behind(now, name, -0.05)[0], lambda now: facing(now, name), ABREAST_M)
+    turn = partial(facing, name=name)
+    place = abreast(lambda now: behind(now, name, 0.015), turn)
+    above = abreast(lambda now: behind(now, name, 0.015) + np.array([0, 0, 0.06]), turn)
+    beyond = abreast(lambda now: behind(now, name, -0.05), turn)
     return Strategy(
         "flip, stages",
         (
-            Stage(
-                "reach",
-                reach,
-                (
-                    Guide(lambda now: behind(now, name, 0.015)[0], lambda now: facing(now, name), ABREAST_M),
-                    Guide(
-                        lambda now: behind(now, name, 0.015)[0] + np.array([0, 0, 0.06]),
-                        lambda now: facing(now, name),
-                        ABREAST_M,
-                    ),
-                ),
-                until=in_place,
-            ),
+            Stage("reach", reach, (place, above), until=in_place),
             Stage("tip", tip, (beyond,), until=falling, next=(("reach", strayed),), sigma=0.6),
             Stage("draw back", draw_back, next=(("reach", standing),), sigma=0.6),
         ),

@@ -8,11 +8,13 @@ evenly.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.terms import ABREAST_M, PAD_M, axis, dot, facing, level, near, norm, reach_terms
+from coral.contact.experts.terms import ABREAST_M, PAD_M, abreast, axis, dot, facing, level, near, norm, reach_terms
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 
@@ -163,18 +165,8 @@ def single(task: Task) -> Strategy:
         place = behind(now, name, 0.005 if low else 0.02)[0]
         return np.asarray(np.stack([place[0], place[0] + [0, 0, 0.1]]))
 
-    return Strategy(
-        "push, single stage",
-        (
-            Stage(
-                "push",
-                cost,
-                (Guide(onward, lambda now: facing(now, name), ABREAST_M),),
-                stiffness_n_m=SOFT_N_M,
-                sigma=STEADY,
-            ),
-        ),
-    )
+    guide = Guide(onward, partial(facing, name=name), ABREAST_M)
+    return Strategy("push, single stage", (Stage("push", cost, (guide,), stiffness_n_m=SOFT_N_M, sigma=STEADY),))
 
 
 def touching_others(state: Context, task: Task) -> Array:
@@ -237,10 +229,8 @@ def fsm(task: Task) -> Strategy:
     def short(now: Context) -> bool:
         return bool(norm(to_goal(now, name))[0, 0] > 0.024)
 
-    place = Guide(lambda now: behind(now, name, 0.012)[0], lambda now: facing(now, name), ABREAST_M)
-    above = Guide(
-        lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]), lambda now: facing(now, name), ABREAST_M
-    )
+    place = abreast(lambda now: behind(now, name, 0.012), partial(facing, name=name))
+    above = abreast(lambda now: behind(now, name, 0.012) + np.array([0, 0, 0.1]), partial(facing, name=name))
     gone = Guide(lambda now: behind(now, name, 0.03)[0])
     return Strategy(
         "push, stages",

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide
 from coral.contact.scene.geometry import column_of, from_rotvec, multiply, rotate
 from coral.contact.scene.observation import Array
 
@@ -65,6 +68,16 @@ def facing(state: Context, name: str) -> Array:
 def palm_down(ahead: Array) -> Array:
     """Compute the hand's orientation, Shape=(4,), palm down, the fingers abreast of a direction, Shape=(3,)."""
     return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(ahead[1], ahead[0]))]), DOWN))
+
+
+def abreast(place: Callable[[Context], Array], turn: Callable[[Context], Array]) -> Guide:
+    """Guide two fingers abreast to a place, Shape=(K, H, 3) m, with an orientation, Shape=(4,)."""
+    return Guide(lambda now: place(now)[0], turn, ABREAST_M)
+
+
+def squareness(state: Context, ahead: Array) -> Array:
+    """Compute the misalignment with palm down and the fingers abreast of a direction, Shape=(..., 3)."""
+    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
 
 
 def reach_terms(state: Context, name: str, target: Array, squareness: Array, above_m: float) -> Terms:

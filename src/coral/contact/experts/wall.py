@@ -7,11 +7,25 @@ friction lifts; the wall reacts at the height of the box, so a flat box is easy 
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from coral.contact.cost.context import Context, Terms
-from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.terms import ABREAST_M, DOWN, PAD_M, axis, dot, facing, near, norm, on_box, reach_terms
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.experts.terms import (
+    ABREAST_M,
+    DOWN,
+    PAD_M,
+    abreast,
+    axis,
+    facing,
+    near,
+    norm,
+    on_box,
+    reach_terms,
+    squareness,
+)
 from coral.contact.scene.observation import Array
 from coral.contact.scene.task import Task
 
@@ -42,7 +56,7 @@ def under(state: Context, name: str) -> Array:
 def square(state: Context, name: str | None = None) -> Array:
     """Compute the misalignment with palm down and the fingers abreast of the box's near face (or of the wall)."""
     ahead = np.array([1.0, 0.0, 0.0]) if name is None else axis(state[f"{name}_quat"], "x")
-    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
+    return squareness(state, ahead)
 
 
 def single(task: Task) -> Strategy:
@@ -63,10 +77,8 @@ def single(task: Task) -> Strategy:
             "let go": 0.5 * near(1 - up, 0.05) * state[f"{name}_hand_contact"],
         }
 
-    return Strategy(
-        "flip with wall, single stage",
-        (Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: facing(now, name), ABREAST_M),)),),
-    )
+    guide = abreast(lambda now: behind(now, name), partial(facing, name=name))
+    return Strategy("flip with wall, single stage", (Stage("flip", cost, (guide,)),))
 
 
 def fsm(task: Task) -> Strategy:
@@ -131,27 +143,16 @@ def fsm(task: Task) -> Strategy:
     def fallen(now: Context) -> bool:
         return bool(raised(now, name)[0, 0] < 0.5)
 
-    press = Guide(lambda now: under(now, name)[0] + np.array([0.005, 0.0, 0.03]), lambda now: DOWN, ABREAST_M)
+    turn = partial(facing, name=name)
+    place = abreast(lambda now: behind(now, name, 0.012), turn)
+    above = abreast(lambda now: behind(now, name, 0.012, 0.1), turn)
+    onward = abreast(lambda now: behind(now, name, -0.02), turn)
+    press = abreast(lambda now: under(now, name) + np.array([0.005, 0.0, 0.03]), lambda now: DOWN)
     return Strategy(
         "flip with wall, stages",
         (
-            Stage(
-                "reach",
-                reach,
-                (
-                    Guide(lambda now: behind(now, name, 0.012)[0], lambda now: facing(now, name), ABREAST_M),
-                    Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: facing(now, name), ABREAST_M),
-                ),
-                until=in_place,
-            ),
-            Stage(
-                "push",
-                push,
-                (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: facing(now, name), ABREAST_M),),
-                until=at_wall,
-                next=(("reach", lost),),
-                sigma=0.6,
-            ),
+            Stage("reach", reach, (place, above), until=in_place),
+            Stage("push", push, (onward,), until=at_wall, next=(("reach", lost),), sigma=0.6),
             Stage("lift", lift, (press,), until=standing, next=(("reach", lost),), sigma=0.6),
             Stage("let go", let_go, next=(("reach", fallen),), sigma=0.6),
         ),
