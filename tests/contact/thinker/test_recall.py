@@ -7,7 +7,6 @@ import pytest
 from experiences import experience
 from recorded import RULES, compose
 
-from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -45,8 +44,7 @@ def choose(one, memory, outcomes=(), **cfg):
     def try_it(plan, first):
         tried.append(plan)
         outcome, refusal = left.pop(0)
-        why = Rejection(code="imagined-run", reason=refusal) if refusal else None
-        return replace(plan, outcome=outcome, refusal=why, imagined_s=3.0)
+        return replace(plan, refusal=refusal, run=RecallRun(outcome, 3.0, refusal))
 
     if outcomes:
         questions.check_plan = lambda *_, **__: None
@@ -78,7 +76,7 @@ def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, m
     chosen, told, tried = choose(scene("pick-box", 2), memory, [(one, "") for one in outcomes])
     assert len(tried) == 2
     assert (chosen.match.stored.id == 2) is first
-    assert chosen.outcome == max(outcomes)
+    assert chosen.run.outcome == max(outcomes)
     assert [bool(fields["refused"]) for fields in told] == [not first, first]
     assert [fields.get("source") for fields in told].count("memory") == 1
 
@@ -107,7 +105,7 @@ def test_a_plan_comes_with_the_repairs_that_it_needed(scene, memory, monkeypatch
         "coral.contact.thinker.recall.try_recalled", lambda *args: told.append(args[-1]) or RecallRun(BAD, 2.5, "")
     )
     chosen, _, _ = choose(one, memory)
-    assert [step.plan for step in chosen.then] == [chosen.plan]
+    assert chosen.steps[0].plan == chosen.steps[1].plan
     assert told == [True]
 
 
@@ -157,7 +155,7 @@ def test_an_imagined_run_follows_the_plan_in_the_planning_world(scene, memory, m
     monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", watch)
     chosen, told, _ = choose(scene("pick-box", 2), memory)
     assert followed == [["above", "lower", "close", "lift", "hold"]] * 2
-    assert chosen.outcome == BAD
+    assert chosen.run.outcome == BAD
     assert [(fields["outcome"]["stages"], fields["rehearsed_s"]) for fields in told] == [(0.3, 2.5)] * 2
 
 

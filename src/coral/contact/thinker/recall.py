@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
-from coral.advisor.question import Rejection
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
 from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Match, Memory, RememberedPlan
-from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
+from coral.contact.plan.cost_plan import make_strategy
 from coral.contact.plan.imagined_run import ImaginedJudge, ImaginedOutcome, imagine
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
@@ -99,16 +97,12 @@ class RecalledPlan:
     """A remembered plan, adapted to the scene."""
 
     match: Match
-    plan: PlanAnswer
-    regions: RegionsAnswer
-    then: tuple[RememberedPlan, ...] = ()
-    """Its repairs."""
-    refusal: Rejection | None = None
+    steps: tuple[RememberedPlan, ...]
+    """The plan, and its repairs."""
+    refusal: str = ""
     """Why it is not followed."""
-    outcome: ImaginedOutcome | None = None
-    """How far it came in its imagined run; None if there was none."""
-    imagined_s: float = 0.0
-    """Imagined time of that run."""
+    run: RecallRun | None = None
+    """Its imagined run, if there was one."""
     strategy: Strategy | None = field(default=None, compare=False, repr=False)
     """What the planner would follow; None before it passed the checks of its programs."""
 
@@ -130,25 +124,25 @@ class Recall:
         tried: list[RecalledPlan] = []
         for adapted in adaptations(memory, self._questions.facts):
             one = self._check(adapted, first)
-            if one.refusal is None and most:
+            if not one.refusal and most:
                 if runs == most:
                     break
                 one, runs = self._try(one, first), runs + 1
             tried.append(one)
-            if one.refusal is None and (one.outcome is None or one.outcome.stages == 1.0):
+            if not one.refusal and (one.run is None or one.run.outcome.stages == 1.0):
                 break
-        passed = [one for one in tried if one.refusal is None]
+        passed = [one for one in tried if not one.refusal]
         # Of equal ones the first: the better match.
-        chosen = max(passed, key=lambda one: one.outcome or NOTHING, default=None)
+        chosen = max(passed, key=lambda one: NOTHING if one.run is None else one.run.outcome, default=None)
         for one in tried:
             self._report(one, one is chosen, memory, emit)
         return chosen
 
     def _report(self, one: RecalledPlan, chosen: bool, memory: Memory, emit: Callable[..., None]) -> None:
-        refused = "" if one.refusal is None else one.refusal.reason
+        refused = one.refusal
         if not refused and not chosen:
             refused = "another remembered plan came further in its imagined run"
-        stored = one.match.stored
+        stored, run = one.match.stored, one.run
         emit(
             "recall",
             id=stored.id,
@@ -157,36 +151,35 @@ class Recall:
             embedder=memory.embedder.name,
             used=stored.used,
             helped=stored.helped,
-            rehearsed_s=one.imagined_s,
-            outcome=None if one.outcome is None else {key: round(v, 3) for key, v in asdict(one.outcome).items()},
+            rehearsed_s=0.0 if run is None else run.length_s,
+            outcome=None if run is None else {key: round(v, 3) for key, v in asdict(run.outcome).items()},
             refused=refused,
             **({"decided": "plan", "source": "memory"} if chosen else {}),
         )
 
     def _check(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
-        refusal = self._questions.check_plan(one.plan, first, remembered=True)
-        if refusal is None and self._cfg.regions:
-            refusal = self._questions.check_regions(one.regions, one.plan)
-        strategy = None
-        if refusal is None:
-            try:
-                strategy = self._strategy(one)
-            except CostError as error:
-                refusal = Rejection(code=error.code, reason=str(error))
-        return replace(one, refusal=refusal, strategy=strategy)
+        """Make the strategy of a plan that passes the checks of any answer."""
+        questions, begun = self._questions, one.steps[0]
+        regions = begun.regions if self._cfg.regions else None
+        refusal = questions.check_plan(begun.plan, first, remembered=True)
+        if refusal is None and regions is not None:
+            refusal = questions.check_regions(regions, begun.plan)
+        if refusal is not None:
+            return replace(one, refusal=refusal.reason)
+        points = [] if regions is None else questions.touchable_candidates(regions, begun.plan)
+        schema, sizes, load = self._world.schema, questions.sizes, questions.load
+        try:
+            return replace(
+                one, strategy=make_strategy("imagined", begun.plan, regions, schema, sizes, load, candidates=points)
+            )
+        except CostError as error:
+            return replace(one, refusal=str(error))
 
     def _try(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None
-        names, repaired = one.plan.names, bool(one.then)
+        names, repaired = one.steps[0].plan.names, len(one.steps) > 1
         found = try_recalled(self._world, self._trial, one.strategy, names, first, self._cfg.outer, repaired)
-        refusal = Rejection(code="imagined-run", reason=found.refusal) if found.refusal else None
-        return replace(one, refusal=refusal, outcome=found.outcome, imagined_s=found.length_s)
-
-    def _strategy(self, one: RecalledPlan) -> Strategy:
-        regions = one.regions if self._cfg.regions else None
-        points = [] if regions is None else self._questions.touchable_candidates(regions, one.plan)
-        sizes, load = self._questions.sizes, self._questions.load
-        return make_strategy("imagined", one.plan, regions, self._world.schema, sizes, load, candidates=points)
+        return replace(one, refusal=found.refusal, run=found)
 
 
 def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:
@@ -199,4 +192,4 @@ def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:
         steps = adapt(match.stored.experience, facts, match.goals)
         if steps not in seen:
             seen.append(steps)
-            yield RecalledPlan(match, steps[0].plan, steps[0].regions, steps[1:])
+            yield RecalledPlan(match, steps)

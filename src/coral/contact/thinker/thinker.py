@@ -212,8 +212,8 @@ class Thinker:
         chosen = Recall(self._questions, self._trial, self._world, self.cfg).choose(self.memory, first, self._emit)
         if chosen is None:
             return None
-        self._match, self._repairs_left = chosen.match, list(chosen.then)
-        self._plan, self._regions = chosen.plan, chosen.regions
+        begun, *self._repairs_left = chosen.steps
+        self._match, self._plan, self._regions = chosen.match, begun.plan, begun.regions
         return self._strategy(f"remembered {chosen.match.stored.id}")
 
     def _strategy(self, name: str) -> Strategy:
