@@ -9,8 +9,8 @@ from coral.contact.control.clearance import PROJECTIONS, Piece, clearance, clear
 from coral.contact.control.clearance_kernels import SETTLED_M
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context
-from coral.contact.scene.geom_gap import geom_gap
 from coral.contact.scene.geometry import conjugate, multiply, rotate
+from coral.contact.scene.mujoco_scene import geom_gap
 from coral.contact.scene.trial import stated_beliefs
 
 HALVES = {0: np.array([0.03, 0.05, 0.12]), 2: np.array([0.04, 0.04, 0.1]), 3: np.array([0.045, 0.045, 0.045])}

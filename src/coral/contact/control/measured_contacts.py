@@ -14,7 +14,7 @@ import numpy as np
 
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context, Lazy, Value
-from coral.contact.scene.geom_gap import geom_gap
+from coral.contact.scene.mujoco_scene import geom_gap
 from coral.contact.scene.observation import Observation
 
 GAP_M = 0.004

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import HandCfg, add_hand
-from coral.contact.scene.geom_gap import geom_gap
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.mujoco_scene import add_scene, geom_gap
 from coral.contact.scene.observation import Array, BodyState
 from coral.contact.scene.trial import Trial
 

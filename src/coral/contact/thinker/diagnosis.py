@@ -7,7 +7,6 @@ for a repair tells both; the prompt `paper` tells neither.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -15,21 +14,8 @@ from coral.contact.plan.stage_end import TRUTH
 from coral.contact.scene.observation import Transition
 from coral.contact.thinker.evidence import MOSTLY, Evidence
 
-Diagnosis = Literal[
-    "cost-error",
-    "not-reached",
-    "led-away",
-    "out-of-reach",
-    "pose-wrong",
-    "slipped",
-    "settled",
-    "stage-never-ends",
-    "not-gripped",
-    "blocked",
-    "not-moved",
-    "moved-otherwise",
-    "no-progress",
-]
+Diagnosis = str
+"""One of `TEXTS`."""
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
     "not-reached": "the hand does not touch the object: its cost does not lead it there, or the way in is wrong",

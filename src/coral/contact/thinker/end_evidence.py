@@ -12,7 +12,7 @@ from coral.contact.thinker.progress_monitor import PlanNote
 from coral.words import is_numeral
 
 END_S = 2.0
-"""Time at the end of the record in which a comparison holds or does not."""
+"""Time at the end of the record in which a comparison holds or does not, and targets are at the edge."""
 NEAR = {"m": 0.015, "m/s": 0.03, "rad/s": 0.3, "N": 1.0, "": 0.03}
 """By unit, what misses by little. The planner stops one to two centimetres short of what it is led to, and shakes hand
 and objects by some centimetres a second; of what has no unit, such as 1 - cos of an angle, 0.03 (14 degrees)."""

@@ -11,7 +11,7 @@ from coral.contact.control.measured_contacts import HELD_M
 from coral.contact.plan.stage_end import PartReading
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of, to_rotvec
 from coral.contact.scene.observation import Array, BodyState, Observation, Transition
-from coral.contact.thinker.end_evidence import EndEvidence, collect_end
+from coral.contact.thinker.end_evidence import END_S, EndEvidence, collect_end
 from coral.contact.thinker.progress_monitor import PlanNote
 
 FELT_N = 1.0
@@ -24,8 +24,6 @@ MOSTLY = 0.8
 """Share from which something is reported as such."""
 AROUND_M = 0.005
 """A tool this far outside the bounding box still counts as inside."""
-END_S = 2.0
-"""Time at the end of the record in which targets at the edge, and fingers around the object, count."""
 
 
 @dataclass(frozen=True)

@@ -136,12 +136,9 @@ class ProgressMonitor:
             self.first_ends.setdefault(note.stage, note.end)
         self._add_surprises(report)
         horizon = report.now.time_s - HISTORY_S
-        while self.steps and self.steps[0].before.time_s < horizon:
-            self.steps.pop(0)
-        while self.costs and self.costs[0][0] < horizon:
-            self.costs.pop(0)
-        while self.notes and self.notes[0].time_s < horizon:
-            self.notes.pop(0)
+        self.steps = [step for step in self.steps if step.before.time_s >= horizon]
+        self.costs = [(time_s, cost) for time_s, cost in self.costs if time_s >= horizon]
+        self.notes = [note for note in self.notes if note.time_s >= horizon]
 
     def _add_surprises(self, report: PlanReport) -> None:
         # Sums of control periods differ in their last bits; the decay of a surprise must not.
