@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from coral.contact.cost_program.statements import own_names
+from coral.contact.cost_program.parse import own_names
 
 SAME = {
     "if in an if": (

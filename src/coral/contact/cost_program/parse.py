@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from coral.contact.cost_program.errors import CostError, line_of
 from coral.contact.cost_program.extract import WRAPPED, extract
@@ -65,10 +67,15 @@ class Parsed:
     """Its module."""
     entry: ast.FunctionDef
     """The cost function."""
+    own_names: Mapping[int, frozenset[str]]
+    """Names that the module and each function set, by the identity of its node."""
+    attributes: frozenset[str]
+    """Names after a dot."""
 
 
+@lru_cache(maxsize=64)  # a plan is compiled for its check and again for its use
 def parse(text: str) -> Parsed:
-    """Parse and check a program.
+    """Parse and check a program; programs of the same text share what is returned.
 
     Raises:
         CostError: It is too large, is not Python, or uses a part of Python that costs do not have.
@@ -89,7 +96,29 @@ def parse(text: str) -> Parsed:
         _check(tree, source)
     except RecursionError:
         raise CostError("too_large", "the program is nested too deeply") from None
-    return Parsed(source, tree, _entry(tree))
+    nodes = list(ast.walk(tree))
+    scopes = {id(node): own_names(node.body) for node in nodes if isinstance(node, ast.Module | ast.FunctionDef)}
+    attributes = frozenset(node.attr for node in nodes if isinstance(node, ast.Attribute))
+    return Parsed(source, tree, _entry(tree), scopes, attributes)
+
+
+def own_names(body: list[ast.stmt]) -> frozenset[str]:
+    """Return the names that a function sets, excluding functions and comprehensions inside it."""
+    found: set[str] = set()
+    pending: list[ast.AST] = list(body)
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.FunctionDef):
+            found.add(node.name)
+            continue
+        if isinstance(node, ast.Lambda | ast.ListComp | ast.GeneratorExp):
+            continue
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            found.add(node.id)
+        if isinstance(node, ast.alias):
+            found.add(node.asname or node.name)
+        pending.extend(ast.iter_child_nodes(node))
+    return frozenset(found)
 
 
 def _check_nesting(source: str) -> None:

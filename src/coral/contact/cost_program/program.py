@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-from dataclasses import dataclass
-from functools import lru_cache
-
 import numpy as np
 
 from coral.contact.cost.context import Array, Context, Schema, Terms
@@ -13,39 +9,9 @@ from coral.contact.cost_program.calls import leave, outcome
 from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name, line_of
 from coral.contact.cost_program.limits import MOST_TERMS, Meter
 from coral.contact.cost_program.machine import Machine, filled
-from coral.contact.cost_program.parse import Parsed, parse
-from coral.contact.cost_program.statements import own_names, run_block
+from coral.contact.cost_program.parse import parse
+from coral.contact.cost_program.statements import run_block
 from coral.contact.cost_program.values import Function, Scope, State, Value, is_number, kind
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """What is known of a text before it meets a schema. Programs of the same text share it."""
-
-    parsed: Parsed
-    module_names: frozenset[str]
-    """Names that the module sets."""
-    own_names: dict[int, frozenset[str]]
-    """Names that each function sets, by the identity of its node."""
-    attributes: frozenset[str]
-    """Names after a dot."""
-
-
-@lru_cache(maxsize=64)  # a plan is compiled for its check and again for its use
-def prepare(source: str) -> Prepared:
-    """Parse and check a text.
-
-    Raises:
-        CostError: The text is not a program of the accepted language.
-    """
-    parsed = parse(source)
-    nodes = list(ast.walk(parsed.tree))
-    return Prepared(
-        parsed,
-        own_names(parsed.tree.body),
-        {id(node): own_names(node.body) for node in nodes if isinstance(node, ast.FunctionDef)},
-        frozenset(node.attr for node in nodes if isinstance(node, ast.Attribute)),
-    )
 
 
 class CostProgram:
@@ -61,10 +27,9 @@ class CostProgram:
 
     def __init__(self, source: str, schema: Schema, name: str = "program") -> None:
         self.name, self.schema = name, dict(schema)
-        self.prepared = prepare(source)
-        self.parsed = self.prepared.parsed
+        self.parsed = parse(source)
         self.source = self.parsed.source
-        self.reads = sorted(self.prepared.attributes & self.schema.keys())
+        self.reads = sorted(self.parsed.attributes & self.schema.keys())
 
     def __call__(self, state: Context) -> Terms:
         """Return the terms of every state, each Shape=(K, H).
@@ -114,8 +79,9 @@ class CostProgram:
         return line_of(self.source, number)
 
     def _run(self, meter: Meter) -> Terms:
-        module = Scope(None, self.prepared.module_names)
-        machine = Machine(meter, self.schema, self.prepared.own_names, run_block, [module])
+        own_names = self.parsed.own_names
+        module = Scope(None, own_names[id(self.parsed.tree)])
+        machine = Machine(meter, self.schema, own_names, run_block, [module])
         if not run_block(machine, self.parsed.tree.body):
             raise meter.fault("syntax", "not Python: `return`, `break` or `continue` outside a function")
         entry = self.parsed.entry

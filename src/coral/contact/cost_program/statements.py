@@ -160,25 +160,6 @@ def _define(machine: Machine, node: Any) -> bool:
     return True
 
 
-def own_names(body: list[ast.stmt]) -> frozenset[str]:
-    """Return the names that a function sets, excluding functions and comprehensions inside it."""
-    found: set[str] = set()
-    pending: list[ast.AST] = list(body)
-    while pending:
-        node = pending.pop()
-        if isinstance(node, ast.FunctionDef):
-            found.add(node.name)
-            continue
-        if isinstance(node, ast.Lambda | ast.ListComp | ast.GeneratorExp):
-            continue
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            found.add(node.id)
-        if isinstance(node, ast.alias):
-            found.add(node.asname or node.name)
-        pending.extend(ast.iter_child_nodes(node))
-    return frozenset(found)
-
-
 def _import(machine: Machine, node: Any) -> bool:
     for alias in node.names:
         machine.frame.variables[alias.asname or alias.name] = Module(MODULE_NAMES[alias.name])

@@ -43,7 +43,6 @@ from coral.contact.world_model.parameter_estimates import (
 )
 
 Emit = Callable[..., None]
-KIND = "unified"
 
 
 class Questions:
@@ -197,9 +196,17 @@ class Questions:
                 refusal = self.check_regions(answer.places, answer)
             return refusal
 
-        prompt = unified_prompt(self.world_prompt(), self._cfg, history)
+        prompt = {**self.world_prompt(), "places": self._cfg.regions, "code": "", "error": ""}
+        if history is not None:
+            prompt = fit_prompt("unified", {**prompt, **history})
         outcome = self._asker.ask(
-            KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True, labels=PictureLabels.of(self._trial.task, now)
+            "unified",
+            UnifiedAnswer,
+            facts,
+            prompt,
+            wrong,
+            with_picture=True,
+            labels=PictureLabels.of(self._trial.task, now),
         )
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
@@ -314,9 +321,3 @@ class UnifiedAnswer(PlanAnswer):
     def plan(self) -> PlanAnswer:
         """Return the plan in the form of its own question."""
         return PlanAnswer(code=self.code, stages=self.stages, begin=self.begin, explanation=self.explanation)
-
-
-def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return the placeholders of the single question; `history` is what a repair says of the plan that failed."""
-    prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
-    return prompt if history is None else fit_prompt(KIND, {**prompt, **history})

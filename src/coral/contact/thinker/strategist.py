@@ -65,12 +65,14 @@ class Strategist(Protocol):
     @property
     def guesses_poses(self) -> bool:
         """Return whether poses are estimated once at the start, after which nothing tracks the objects."""
+        return False
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Estimate the objects' poses from a picture; called before `begin` if `guesses_poses`.
 
         The trial's poses must not be read, and `first` is without any object.
         """
+        return {}
 
     def attach(
         self,
@@ -118,14 +120,9 @@ class FixedStrategist(Strategist):
     """Follows one given strategy to the end, with its author's beliefs about masses and frictions."""
 
     counts = StrategistCounts()
-    guesses_poses = False
 
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
-
-    def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """See `Strategist.guess_poses`."""
-        return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Strategist.begin`."""
