@@ -181,9 +181,9 @@ def _check_node(node: ast.AST, line: int) -> None:
     for name in _names(node):
         if "__" in name:
             raise CostError("not_allowed", f"names with two underscores, as {name!r}, are not available", line)
-    if isinstance(node, ast.FunctionDef):
-        _check_function(node, line)
-    elif isinstance(node, ast.Lambda):
+    if isinstance(node, ast.FunctionDef) and node.decorator_list:
+        raise CostError("not_allowed", "a cost has no decorators; leave them out", line)
+    if isinstance(node, ast.FunctionDef | ast.Lambda):
         _check_arguments(node.args, line)
     elif isinstance(node, ast.Constant):
         _check_constant(node, line)
@@ -198,12 +198,6 @@ def _check_node(node: ast.AST, line: int) -> None:
 def _names(node: ast.AST) -> list[str]:
     found = [getattr(node, key, None) for key in ("id", "attr", "arg", "name", "asname")]
     return [name for name in found if isinstance(name, str)]
-
-
-def _check_function(node: ast.FunctionDef, line: int) -> None:
-    if node.decorator_list:
-        raise CostError("not_allowed", "a cost has no decorators; leave them out", line)
-    _check_arguments(node.args, line)
 
 
 def _check_arguments(arguments: ast.arguments, line: int) -> None:

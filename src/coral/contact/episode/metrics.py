@@ -88,7 +88,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     ahead = [1e3 * float(plan.get("ahead_s", 0.0)) for plan in plans]
     effective = [float(plan["ess"]) for plan in plans]
     objects = set(start.get("trial", ()))
-    touches = [event for event in of["contact"] if _is_touch(event, objects)]
+    pairs = [(event, {str(event.get("first")), str(event.get("second"))}) for event in of["contact"]]
+    touches = [event for event, pair in pairs if len(pair & HAND) == 1 and pair & objects]
     path, last, step, t, earlier = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
     felt = True
@@ -143,12 +144,6 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "poses": str(start.get("poses", "")),
         "tracker": str(start.get("tracker", "")),
     }
-
-
-def _is_touch(event: Mapping[str, Any], objects: set[str]) -> bool:
-    """Check whether a contact is one of the hand with an object."""
-    pair = {str(event.get("first")), str(event.get("second"))}
-    return len(pair & HAND) == 1 and bool(pair & objects)
 
 
 def _tracking_errors(row: Mapping[str, str], ending: str) -> list[float]:

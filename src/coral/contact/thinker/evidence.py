@@ -132,6 +132,10 @@ def collect_evidence(
 
     `first_ends` is that of `collect_end`.
     """
+
+    def inside(now: Observation) -> bool:
+        return _outside(now.objects[name], size, now.tool.position) < AROUND_M
+
     away = [_outside(step.after.objects[name], size, step.after.tool.position) for step in steps]
     force = [float(np.linalg.norm(step.after.wrench[:3])) for step in steps]
     first, last = steps[0].before.objects[name], steps[-1].after.objects[name]
@@ -174,18 +178,13 @@ def collect_evidence(
         lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),
         sunk=sunk / max(len(notes), 1),
         at_edge=sum(note.at_edge for note in late) / max(len(late), 1),
-        around=float(np.mean([_is_around(step.after, name, size) for step in late_steps])),
+        around=float(np.mean([inside(step.after) and step.after.opening_m >= np.min(size) for step in late_steps])),
         closing=float(np.mean([step.command.opening_m < step.after.opening_m - HELD_M for step in steps])),
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
         largest_value=terms.get(largest, 0.0),
         end=collect_end(notes, first_ends),
     )
-
-
-def _is_around(now: Observation, name: str, size: Array) -> bool:
-    inside = _outside(now.objects[name], size, now.tool.position) < AROUND_M
-    return inside and now.opening_m >= float(np.min(size))
 
 
 def _outside(body: BodyState, size: Array, point: Array) -> float:

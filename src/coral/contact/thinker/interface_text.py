@@ -28,7 +28,8 @@ Line = tuple[str, str, str]
 def interface_text(schema: Schema, told: Collection[str] = ()) -> str:
     """Describe the names and functions that a cost may use."""
     objects = objects_of(schema)
-    fixed = ["table", *(key.removesuffix("_size") for key in schema if _is_fixed(key, schema, objects))]
+    sized = [key.removesuffix("_size") for key in schema if key.endswith("_size")]
+    fixed = ["table", *(thing for thing in sized if thing not in objects and f"{thing}_pos" in schema)]
     groups: dict[Pattern, list[tuple[str, str, str]]] = {}
     for key, item in ((key, item) for key, item in schema.items() if key not in told):
         pattern, owner, thing = _pattern_of(key, item, objects, [*objects, *fixed])
@@ -37,11 +38,6 @@ def interface_text(schema: Schema, told: Collection[str] = ()) -> str:
     lines = _joined([_group_line(pattern, members, objects, schema) for pattern, members in groups.items()])
     shown = [f"- {names}: {text}{where}" for names, text, where in lines]
     return "\n".join([LEGEND, *several, *shown, f"Functions: {FUNCTIONS}."])
-
-
-def _is_fixed(key: str, schema: Schema, objects: Sequence[str]) -> bool:
-    thing = key.removesuffix("_size")
-    return key.endswith("_size") and thing not in objects and f"{thing}_pos" in schema
 
 
 def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequence[str]) -> tuple[Pattern, str, str]:
@@ -54,7 +50,8 @@ def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequen
     if felt:  # of objects and of what does not move alike
         return (*_replaced(name, text, felt, THING), kind), "", felt
     if len(objects) > 1:
-        owner = _longest(name, [f"{thing}_" for thing in objects])[:-1]
+        # The longest of these beginnings: `box_lid_pos` is not of `box`.
+        owner = max((thing for thing in objects if name.startswith(f"{thing}_")), key=len, default="")
         name, text = _replaced(name, text, owner, OWNER) if owner else (name, text)
     rest = name.removeprefix(f"{OWNER}_") if owner else name
     alone = len(objects) == 1 and rest.startswith(f"{objects[0]}_")
@@ -64,11 +61,6 @@ def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequen
         name = name[: len(name) - len(rest)] + f"_{rest}".replace(f"_{thing}_", f"_{THING}_", 1)[1:]
         text = _replaced("", text, thing, THING)[1]
     return (name, text, kind), owner, thing
-
-
-def _longest(name: str, starts: Sequence[str]) -> str:
-    """Return the longest of these beginnings of a name, or ""; `box_lid_pos` is not of `box`."""
-    return max((start for start in starts if name.startswith(start)), key=len, default="")
 
 
 def _replaced(name: str, text: str, thing: str, word: str) -> tuple[str, str]:

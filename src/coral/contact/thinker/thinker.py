@@ -141,14 +141,13 @@ class Thinker:
         self._trial, self._world = trial, world
         self._questions = Questions(self.asker, trial, world, self.cfg, self._worker.load, self._emit, self._limits)
         self._questions.update_facts(first, believed=False)
-        strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
+        if self.cfg.unified:
+            self._plan, self._regions = self._questions.ask_everything(first) or self._questions.no_plan()
+            strategy = self._strategy("asked")
+        else:
+            strategy = self._recall_or_ask(first)
         self._monitor = self._new_monitor()
         return strategy
-
-    def _ask_all(self, first: Observation) -> Strategy:
-        found = self._questions.ask_everything(first)
-        self._plan, self._regions = found or self._questions.no_plan()
-        return self._strategy("asked")
 
     def _recall_or_ask(self, first: Observation) -> Strategy:
         questions = self._questions

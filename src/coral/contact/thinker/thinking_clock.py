@@ -90,7 +90,8 @@ class ThinkingClock:
             Withdrawn: The episode ended meanwhile.
             BadAnswer, AdvisorUnavailable: Raised by the advisor; it takes the same latency as an answer.
         """
-        drawn = self._draw_latency()
+        # None if only the reply can tell it.
+        drawn = PAPER_S.get(self._kind, LLM_S) if self.latency is None else self.latency.draw(self._rng)
         began = time.monotonic()
         error: BadAnswer | AdvisorUnavailable | None = None
         try:
@@ -109,10 +110,6 @@ class ThinkingClock:
         if error is not None:
             raise error
         return result
-
-    def _draw_latency(self) -> float | None:
-        """Draw the latency of one question (s); None if only its reply can tell."""
-        return PAPER_S.get(self._kind, LLM_S) if self.latency is None else self.latency.draw(self._rng)
 
     def _latency(self, drawn: float | None, said: float | None, began: float) -> float:
         if drawn is not None:

@@ -38,7 +38,8 @@ def windows(
         way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
         moved = float(np.linalg.norm(way, axis=1).sum())
         force = float(np.mean([np.linalg.norm(step.after.wrench[:3]) for step in part]))
-        if moved > MOVED_M or (force > FORCE_N and _is_near(part, name)):
+        away = [np.linalg.norm(step.after.objects[name].position - step.after.tool.position) for step in part]
+        if moved > MOVED_M or (force > FORCE_N and min(away) < NEAR_M):
             found.append((moved + 0.002 * min(force, 5.0), first, part))
     best = sorted(found, key=lambda item: -item[0])[:MOST]
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
@@ -64,7 +65,3 @@ def most_informative_object(steps: Sequence[Transition]) -> str | None:
         return None
     tool = felt.after.tool.position
     return min(names, key=lambda one: float(np.linalg.norm(felt.after.objects[one].position - tool)))
-
-
-def _is_near(part: Sequence[Transition], name: str) -> bool:
-    return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < NEAR_M for step in part)

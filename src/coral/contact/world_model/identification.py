@@ -159,12 +159,9 @@ def shrink_to_belief(
     mean = old + doubted @ np.linalg.solve(doubted + told, new - old)
     after = PhysicalParameters(float(np.exp(mean[0])), float(np.exp(mean[1])))
     errors = replay_errors(replay, name, believed, {**believed, name: after}, forces)
-    return Fit(name, before, after, *errors, _is_accepted(*errors, deviations), *deviations, len(replay.windows))
-
-
-def _is_accepted(before: float, after: float, sd: tuple[float, float, float]) -> bool:
-    """Decide whether a drop of the error is large enough, given how well the history determines the parameters."""
-    return after < (1.0 - (BETTER if min(sd) <= KNOWN else MUCH)) * before
+    # The less well the history determines the parameters, the more the error has to drop.
+    accepted = errors[1] < (1.0 - (BETTER if min(deviations) <= KNOWN else MUCH)) * errors[0]
+    return Fit(name, before, after, *errors, accepted, *deviations, len(replay.windows))
 
 
 def replay_errors(
