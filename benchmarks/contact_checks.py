@@ -36,7 +36,7 @@ from coral.contact.cost_program.errors import CostError
 from coral.contact.experts import Kind, expert
 from coral.contact.plan.barrier_check import CostFault
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
+from coral.contact.plan.cost_plan import PlanAnswer, compile_stage
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.task_file import suite_tasks
 from coral.contact.scene.trial import Trial, sample_trial, stated_beliefs
@@ -157,16 +157,16 @@ def good_costs(opening: Opening, task: str, kinds: Collection[str] = KINDS) -> I
     """Yield the costs that are known to be good, by what they are; `kinds` are the first words of it."""
     wanted = {kind: kind in kinds for kind in KINDS}
     if wanted["prompt"]:
-        for made in compile_plan(prompt_example(opening.trial), opening.schema):
-            yield "prompt", made.cost
+        for stage in prompt_example(opening.trial).each():
+            yield "prompt", compile_stage(stage, opening.schema).cost
     yield from _written_by_persons(opening, task, wanted)
     plans: list[tuple[str, PlanAnswer | None]] = []
     if wanted["reader"]:
         plans += [("reader", plan) for plan in _reader_plans(task)]
     for kind, plan in plans:
         if plan is not None:
-            for made in compile_plan(plan, opening.schema):
-                yield kind, made.cost
+            for stage in plan.each():
+                yield kind, compile_stage(stage, opening.schema).cost
 
 
 def _written_by_persons(opening: Opening, task: str, wanted: dict[str, bool]) -> Iterator[tuple[str, Cost]]:

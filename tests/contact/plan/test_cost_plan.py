@@ -6,7 +6,7 @@ from pydantic import ValidationError
 
 from coral.contact.cost_program import CostError
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, compile_plan, condition, make_strategy
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, compile_stage, condition, make_strategy
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import scene_text, told_in_scene
 
@@ -63,7 +63,7 @@ def test_a_condition_may_have_comments_and_several_lines():
 def test_a_program_that_does_not_compile_is_named_by_its_field(scene, field, given):
     plan = PlanAnswer(stages=[stage(**{field.partition(".")[0]: given})])
     with pytest.raises(CostError) as told:
-        compile_plan(plan, scene("pick-box").world.schema)
+        compile_stage(plan.stages[0], scene("pick-box").world.schema)
     assert str(told.value).startswith(f"`{field}`: not Python")  # and not a line of the program made of it
 
 

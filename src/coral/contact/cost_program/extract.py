@@ -23,7 +23,9 @@ def extract(text: str) -> str:
     text = text.replace("\r\n", "\n").replace("\r", "\n").expandtabs(4)
     code = _fenced_code(text)
     if code is None:
-        code = _before_rule(text)
+        code, rule, start = text, RULE.search(text), DEFINITION.search(text)
+        if rule and (start is None or rule.start() > start.start()):
+            code = text[: rule.start()]
     return _dedent(code)
 
 
@@ -41,14 +43,6 @@ def _fenced_code(text: str) -> str | None:
     return max(
         blocks, key=lambda block: (COST.search(block) is not None, DEFINITION.search(block) is not None, len(block))
     )
-
-
-def _before_rule(text: str) -> str:
-    rule = RULE.search(text)
-    start = DEFINITION.search(text)
-    if rule and (start is None or rule.start() > start.start()):
-        return text[: rule.start()]
-    return text
 
 
 def _dedent(code: str) -> str:

@@ -178,15 +178,6 @@ class Compiled:
     toward: Cost | None
 
 
-def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) -> list[Compiled]:
-    """Compile all programs of a plan.
-
-    Raises:
-        CostError: A program is not of the accepted language.
-    """
-    return [compile_stage(stage, schema, load) for stage in answer.each()]
-
-
 def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process) -> Compiled:
     """Compile the programs of a stage.
 
@@ -232,8 +223,8 @@ def make_strategy(
         CostError: A program is not of the accepted language.
     """
     stages = []
-    for stage in compile_plan(answer, schema, load):
-        said = stage.answer
+    for said in answer.each():
+        stage = compile_stage(said, schema, load)
         guides: list[Guide] = []
         if regions is not None:
             guides = [

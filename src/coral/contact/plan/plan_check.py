@@ -11,7 +11,7 @@ from coral.contact.cost.context import Context, Schema
 from coral.contact.cost_program import CostError
 from coral.contact.plan.barrier_check import CostFault
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, StageAnswer, compile_stage, in_process
+from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, compile_stage, in_process
 
 STIFFNESS_N_M = (50.0, 3000.0)
 NOISE = (0.05, 3.0)
@@ -141,17 +141,16 @@ def _verdict(answer: PlanAnswer, found: Sequence[CostFault]) -> PlanVerdict:
 
 def list_program(answer: PlanAnswer, faults: Sequence[CostFault]) -> str:
     """Return the stages that have faults with numbered lines, each fault below its line."""
-    marked = {one.stage for one in faults}
-    parts = [_list_stage(stage, faults) for stage in answer.each() if stage.name in marked]
-    return "\n".join(parts)
-
-
-def _list_stage(stage: StageAnswer, faults: Sequence[CostFault]) -> str:
-    lines = [f"stage {stage.name!r}"]
-    own = [one for one in faults if one.stage == stage.name]
-    for number, text in enumerate(stage.code.split("\n"), 1):
-        lines.append(f"{number:3d} | {text}")
-        lines += [f"    ^ {fault.code}" for fault in own if fault.line == number]
-    shown = {"done": stage.done, **{f"next {to!r}": test for to, test in stage.next.items()}, "toward": stage.toward}
-    lines += [f"    {field}: {text}" for field, text in shown.items() if text]
+    lines = []
+    for stage in answer.each():
+        own = [one for one in faults if one.stage == stage.name]
+        if not own:
+            continue
+        lines.append(f"stage {stage.name!r}")
+        for number, text in enumerate(stage.code.split("\n"), 1):
+            lines.append(f"{number:3d} | {text}")
+            lines += [f"    ^ {fault.code}" for fault in own if fault.line == number]
+        ways = {f"next {to!r}": test for to, test in stage.next.items()}
+        shown = {"done": stage.done, **ways, "toward": stage.toward}
+        lines += [f"    {field}: {text}" for field, text in shown.items() if text]
     return "\n".join(lines)
