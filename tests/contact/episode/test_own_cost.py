@@ -6,13 +6,16 @@ import pytest
 from episodes import make_trial
 
 from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.own_cost import own_cost, read_cost_file
+from coral.contact.episode.own_cost import NumpyCost, own_cost, read_cost_file
 from coral.errors import InputError
 
 CFG = EpisodeCfg(planning=dataclasses.replace(PlanningCfg(), threads=1))
 PROGRAM = "def state_cost(self):\n    return {'reach': np.linalg.norm(self.ee_pos - self.box_pos)}\n"
+STATE = Context({"ee_pos": np.ones((2, 3, 3)), "time": np.zeros((2, 3))}, (2, 3))
 
 
 def reach(state):
@@ -133,3 +136,47 @@ def test_what_is_no_plan_is_refused_with_the_files_name(tmp_path, name, text, sa
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"absent\.py"):
         read_cost_file(tmp_path / "absent.py")
+
+
+def cost_of(function):
+    return NumpyCost(function)(STATE)
+
+
+def test_named_terms_and_a_bare_array_are_taken():
+    assert cost_of(lambda state: {"high": state.ee_pos[..., 2]})["high"].shape == (2, 3)
+    assert cost_of(lambda state: state.time)["cost"].shape == (2, 3)
+
+
+def test_a_number_counts_for_every_state():
+    assert cost_of(lambda state: {"far": 3})["far"].shape == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("function", "code"),
+    [
+        (lambda state: state.ee_pos, "shape"),
+        (lambda state: np.zeros(3), "shape"),
+        (lambda state: {"reach": "far"}, "wrong_return"),
+        (lambda state: {"reach\ud800": 1.0}, "wrong_return"),
+        (lambda state: None, "wrong_return"),
+        (lambda state: state.box_pos, "raised"),
+        (lambda state: 1 / 0, "raised"),
+    ],
+)
+def test_what_is_no_cost_is_an_error_of_the_cost(function, code):
+    with pytest.raises(CostError) as told:
+        cost_of(function)
+    assert told.value.code == code
+
+
+def test_an_exception_names_the_line_of_the_function():
+    def wrong(state):
+        return {"reach": state.ee_poss}
+
+    with pytest.raises(CostError) as told:
+        NumpyCost(wrong)(STATE)
+    assert (told.value.line, told.value.shown) == (
+        wrong.__code__.co_firstlineno + 1,
+        'return {"reach": state.ee_poss}',
+    )
+    assert "no quantity 'ee_poss'" in told.value.text

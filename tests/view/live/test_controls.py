@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from coral.contact.control.term_weights import TermWeights
+from coral.contact.cost.stages import TermWeights
 from coral.reef.world.instruction import checked_words
 from coral.view.live.controls import RunControls, SurveyControls
 from coral.view.live.pace import STOPPED, Pace

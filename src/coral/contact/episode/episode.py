@@ -24,9 +24,8 @@ from coral.contact.control.measured_contacts import sunk_into, touched_by, with_
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.control.reactive import Reactive
-from coral.contact.control.term_weights import TermWeights
 from coral.contact.cost.context import Context
-from coral.contact.cost.stages import Progress, Strategy
+from coral.contact.cost.stages import Progress, Strategy, TermWeights
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.late_plans import Meanwhile, PlanLatency, PlanUnderWay

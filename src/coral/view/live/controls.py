@@ -10,7 +10,7 @@ from coral.view.live.pace import Pace
 from coral.view.records import is_number
 
 if TYPE_CHECKING:
-    from coral.contact.control.term_weights import TermWeights
+    from coral.contact.cost.stages import TermWeights
     from coral.reef.sea.operator import OperatorWords, Word
 
 MOST = 4.0
