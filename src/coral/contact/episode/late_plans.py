@@ -6,10 +6,12 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from statistics import median
 from types import TracebackType
 
+from coral.advisor.latency import parse_latency
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.reactive import Reactive
 from coral.contact.cost.context import Array
@@ -68,16 +70,10 @@ class PlanLatency:
 
 def _fixed(spec: str) -> float | None:
     """Return the fixed latency (s); None if it is measured."""
-    kind, _, number = spec.strip().partition(":")
-    if kind == "measured" and not number:
-        return None
-    if kind == "fixed" or not number:
-        try:
-            seconds = float(number or kind)
-        except ValueError:
-            seconds = math.nan
-        if 0.0 <= seconds < math.inf and (kind == "fixed" or seconds == 0.0):
-            return seconds
+    with suppress(InputError):
+        latency = parse_latency(spec)
+        if latency.kind in ("fixed", "measured"):
+            return latency.median_s if latency.kind == "fixed" else None
     raise InputError("--cfg", "planning.latency", repr(spec), FORMS)
 
 
