@@ -9,12 +9,12 @@ from coral.contact.control.hand_model import HandCfg, add_hand, set_stiffness
 CFG = HandCfg()
 
 
-def hand(stiffness=600.0, wrist=True):
+def hand(stiffness=600.0):
     """The hand alone, at its target, in gravity."""
     spec = mujoco.MjSpec()
     spec.option.timestep = 0.002
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    add_hand(spec, CFG, wrist=wrist)
+    add_hand(spec, CFG)
     model = spec.compile()
     set_stiffness(model, CFG, stiffness)
     return model, mujoco.MjData(model)
@@ -71,7 +71,3 @@ def test_closed_fingers_meet_in_the_middle_and_touch_nothing_of_the_hand():
     mujoco.mj_step(model, data, 500)
     assert data.joint("right_slide").qpos.item() == pytest.approx(0.0, abs=1e-3)
     assert data.ncon == 0
-
-
-def test_the_wrist_can_be_left_out():
-    assert [hand(wrist=wrist)[0].ngeom for wrist in (True, False)] == [4, 3]

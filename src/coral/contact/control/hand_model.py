@@ -49,7 +49,7 @@ class HandCfg:
     """Force of each finger (the Panda's gripper holds with about 20 N)."""
 
 
-def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = True) -> None:
+def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4) -> None:
     """Add bodies "hand", "left", "right" (fingers), the site "tool", the mocap body "target" and eight actuators."""
     target = spec.worldbody.add_body(name="target", mocap=True)
     target.add_site(name="target", size=[0.005, 0.005, 0.005], group=5)
@@ -66,9 +66,8 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     hull = {"priority": FINGER_PRIORITY, "friction": [0.5, TORSION, ROLLING], "condim": 3, "mass": 0}
     box, capsule = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CAPSULE
     hand.add_geom(name="palm", type=box, size=PALM_HALF_M, pos=[0, 0, PALM_UP_M], rgba=[0.9, 0.9, 0.92, 1], **hull)
-    if wrist:
-        grey = [0.85, 0.85, 0.88, 1]
-        hand.add_geom(name="wrist", type=capsule, size=[0.05, 0.05, 0], pos=[0, 0, -0.2], rgba=grey, **hull)
+    grey = [0.85, 0.85, 0.88, 1]
+    hand.add_geom(name="wrist", type=capsule, size=[0.05, 0.05, 0], pos=[0, 0, -0.2], rgba=grey, **hull)
     for name, side in (("left", 1.0), ("right", -1.0)):
         finger = hand.add_body(name=name, gravcomp=1)
         finger.add_joint(

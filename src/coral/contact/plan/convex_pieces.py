@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.geometry import from_rpy_deg, rotation_of
-from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.mesh import mesh_vertices, placed_vertices
 from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.trial import Trial, part_scale, part_size
@@ -111,10 +111,7 @@ def _hull(vertices: Array) -> Array:
     spec.add_mesh(name="hull", uservert=np.ascontiguousarray(vertices, dtype=float).ravel())
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
     model = spec.compile()
-    # MuJoCo centres a mesh and aligns it with its principal axes.
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, model.mesh_quat[0])
-    corners = model.mesh_vert.astype(float) @ turn.reshape(3, 3).T + model.mesh_pos[0]
+    corners = placed_vertices(model)
     faces = corners[model.mesh_face]
     normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     lengths = np.linalg.norm(normals, axis=1)

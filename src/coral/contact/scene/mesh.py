@@ -53,8 +53,14 @@ def _read(file: str, scale: tuple[float, float, float]) -> tuple[NDArray[np.floa
         model = spec.compile()
     except ValueError as error:
         raise InputError(file, "", str(error).splitlines()[0].lower(), EXPECTED) from None
-    # MuJoCo centres a mesh and rotates it to its principal axes; undo both.
+    return placed_vertices(model), np.array(model.mesh_face)
+
+
+def placed_vertices(model: mujoco.MjModel) -> NDArray[np.float64]:
+    """Return the vertices of a model's only mesh, Shape=(n, 3), where its file has them.
+
+    MuJoCo centres a mesh and rotates it to its principal axes.
+    """
     rotation = np.zeros(9)
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[0])
-    vertices = np.asarray(model.mesh_vert.astype(float) @ rotation.reshape(3, 3).T + model.mesh_pos[0])
-    return vertices, np.array(model.mesh_face)
+    return np.asarray(model.mesh_vert.astype(float) @ rotation.reshape(3, 3).T + model.mesh_pos[0])
