@@ -80,9 +80,7 @@ def test_a_measured_latency_is_expected_from_the_plans_before():
     assert latency.taken_steps(60.0) == 49  # something of the plan is left
 
 
-@pytest.mark.parametrize(
-    "spec", ["soon", "fixed", "fixed:", "recorded", "fixed:-1", "fixed:nan", "fixed:1.0", "measured:1"]
-)
+@pytest.mark.parametrize("spec", ["soon", "fixed:", "recorded", "fixed:-1", "fixed:nan", "fixed:1.0", "measured:1"])
 def test_other_texts_and_latencies_as_long_as_a_plan_are_refused(spec):
     with pytest.raises(InputError, match=r"planning\.latency"):
         PlanLatency(spec, 0.02, 2, 50)
