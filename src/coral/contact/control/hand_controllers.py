@@ -1,4 +1,4 @@
-"""The controllers of the hand by name, and those that other packages or a caller bring."""
+"""The controllers of the hand by name, those of other packages or of a caller, and what the planner of a run can do."""
 
 from __future__ import annotations
 
