@@ -77,14 +77,7 @@ class FixtureFacts(TypedDict):
 
 
 class AreaFacts(TypedDict):
-    """From where to where in x and y the origin of an object's frame may be."""
-
-    x: list[float]
-    y: list[float]
-
-
-class TableFacts(TypedDict):
-    """Extent of the table's top in x and y; it lies at z = 0."""
+    """From where to where in x and y: the table's top, at z = 0, or the origin of an object's frame."""
 
     x: list[float]
     y: list[float]
@@ -128,7 +121,7 @@ class SceneFacts(TypedDict):
     fixtures: dict[str, FixtureFacts]
     places: dict[str, list[float]]
     numbers: dict[str, float]
-    table: TableFacts
+    table: AreaFacts
     hand: HandFacts
     refused: NotRequired[int]
     diagnoses: NotRequired[Sequence[str]]
@@ -142,7 +135,7 @@ def goals_of(conditions: Sequence[Condition]) -> list[Goal]:
     return [condition.model_dump(mode="json") for condition in conditions]
 
 
-def on_table(table: TableFacts, point: NDArray[np.float64]) -> bool:
+def on_table(table: AreaFacts, point: NDArray[np.float64]) -> bool:
     """Check whether a point, Shape=(2,) or (3,) m in the world, lies over the table."""
     (left, right), (near, far) = table["x"], table["y"]
     return bool(left <= point[0] <= right and near <= point[1] <= far)

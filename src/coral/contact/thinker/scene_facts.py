@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.scene.facts import ObjectFacts, SceneFacts, TableFacts, goals_of
+from coral.contact.scene.facts import AreaFacts, ObjectFacts, SceneFacts, goals_of
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
 
@@ -78,7 +78,7 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
     }
 
 
-def table_facts(trial: Trial) -> TableFacts:
+def table_facts(trial: Trial) -> AreaFacts:
     """Return from where to where the table's top reaches (m)."""
     (x, y), (length, width, _) = trial.task.table.center, trial.task.table.size
     return {"x": [x - length / 2, x + length / 2], "y": [y - width / 2, y + width / 2]}
