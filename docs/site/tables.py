@@ -26,7 +26,7 @@ from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.real_scenes.cameras.camera_registry import CAMERAS
-from coral.contact.real_scenes.masks.mask_registry import MASKS
+from coral.contact.real_scenes.masks.mask_source import MASKS
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.task import Task
 from coral.exit_code import ExitCode

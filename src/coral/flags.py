@@ -11,7 +11,7 @@ import dataclasses
 import inspect
 import sys
 import types
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass
 from functools import cache
 from pathlib import Path
@@ -40,6 +40,11 @@ class Option:
     """Whether it is no flag at all, but set by the program."""
     names: Iterable[str] | Callable[[], Iterable[str]] = ()
     """Values that completion offers."""
+
+
+def forms_text(forms: Mapping[str, str]) -> str:
+    """List the forms of a flag's value with what each is, for its help."""
+    return "; or ".join(f"{form}, {what}" for form, what in forms.items())
 
 
 @dataclass(frozen=True, kw_only=True)

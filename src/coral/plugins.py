@@ -44,6 +44,12 @@ OURS: dict[str, dict[str, str]] = {
         "bag": "coral.reef.recordings.bag_export:export_bag",
         "pictures": "coral.reef.recordings.picture_export:export_pictures",
     },
+    "coral.cameras": {
+        "bag": "coral.contact.real_scenes.cameras.bag_camera:BagRgbdCamera",
+        "realsense": "coral.contact.real_scenes.cameras.realsense_camera:RealSenseCamera",
+        "drawn": "coral.contact.real_scenes.cameras.drawn_camera:still_camera",
+    },
+    "coral.masks": {"colour": "coral.contact.real_scenes.masks.colour_masks:make_colour_masks"},
     "coral.tasks": {"libero": "coral.contact.libero.task:load_libero"},
     "coral.worlds": {
         "panda": "coral.contact.worlds.panda.world:PandaWorld",

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from drawn_board import FLAT, PLACED, picture
 
-from coral.calibration_board import CharucoBoard
 from coral.cli import main
 from coral.commands import contact_calibrate
 from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
+from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
 from coral.contact.scene.geometry import inverse_transform
 
 BOARD = ["--board", "7x5:0.04:0.03"]

@@ -211,7 +211,6 @@ class ContactBench(CampaignFlags):
         content.pop("record")
         content["planning"].pop("threads")  # affects only the run time
         content["tracked"]["by"] = cfg.tracked.choice().name  # a server's address does not matter either
-        content["tracked"]["foundationpose"].pop("url")
         whole = {"episode": content, "model": to_mapping(self.model)}
         return {
             "code version": code_version(),

@@ -9,10 +9,10 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
 from coral.errors import InputError
 from coral.file_writer import write_whole
-from coral.flags import Option
+from coral.flags import Option, forms_text
 
 if TYPE_CHECKING:
     from coral.contact.perception.camera import RgbdFrame
@@ -29,7 +29,7 @@ class ContactCalibrate:
     its poses.
     """
 
-    camera: Annotated[str | None, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")] = None
+    camera: Annotated[str | None, Option(metavar="CAMERA", help=f"The camera: {forms_text(CAMERAS)}.")] = None
     board: Annotated[str, Option(metavar="BOARD")]
     """The board, COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03."""
     board_at: Annotated[tuple[float, float, float, float] | None, Option(metavar="X Y Z YAW_DEG")] = None
@@ -81,7 +81,7 @@ class ContactCalibrate:
     def _draw(self, path: Path) -> dict[str, Any]:
         import cv2
 
-        from coral.calibration_board import CharucoBoard
+        from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
 
         if path.exists():
             raise InputError("--draw", "", str(path), "a new file")
@@ -105,12 +105,12 @@ class ContactCalibrate:
     def _by_board(self, frames: list[RgbdFrame]) -> tuple[CameraCalibration, str]:
         import numpy as np
 
-        from coral.calibration_board import LEAST_CORNERS, CharucoBoard
         from coral.contact.real_scenes.calibration.board_calibration import (
             calibrate_by_held_board,
             calibrate_by_placed_board,
         )
         from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
+        from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
         from coral.contact.scene.geometry import pose_matrix, rotation_about
 
         board = CharucoBoard(self.board)

@@ -14,13 +14,13 @@ import cv2
 import numpy as np
 
 from coral.contact.perception.tracker import PoseEstimate
-from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
-from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
-from coral.contact.real_scenes.masks.mask_registry import mask_help
+from coral.contact.perception.tracker_registry import TRACKERS, choose_tracker
+from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
+from coral.contact.real_scenes.masks.mask_source import MASKS
 from coral.contact.scene.task_file import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
-from coral.flags import Argument, Option
+from coral.flags import Argument, Option, forms_text
 from coral.terminal import tell
 
 
@@ -33,11 +33,11 @@ class ContactPoses:
 
     task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task or a task file, with the exact sizes of your objects."""
-    camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
+    camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {forms_text(CAMERAS)}.")]
     camera_pose: Path | None = None
     """Where it stands, a file of coral contact calibrate; by default its frame is the world's."""
-    masks: Annotated[str, Option(metavar="MASKS", help=f"What segments the pictures: {mask_help()}.")] = "colour"
-    tracker: Annotated[str, Option(help=f"The tracker: {tracker_help()}.")] = "model"
+    masks: Annotated[str, Option(metavar="MASKS", help=f"What segments the pictures: {forms_text(MASKS)}.")] = "colour"
+    tracker: Annotated[str, Option(help=f"The tracker: {forms_text(TRACKERS)}.")] = "model"
     seed: int = 0
     """Seed of the trial, if the task file leaves sizes open."""
     send: Annotated[str | None, Option(metavar="HOST:PORT")] = None

@@ -35,7 +35,7 @@ from coral.contact.episode.resolution import (
 )
 from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, AdvisorSetup, contact_advisor, contact_model
-from coral.contact.perception.tracker_registry import tracker_help
+from coral.contact.perception.tracker_registry import TRACKERS
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
@@ -45,13 +45,13 @@ from coral.contact.world_model.parameter_estimates import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError, RunError
-from coral.flags import Argument, Option
+from coral.flags import Argument, Option, forms_text
 from coral.plugins import our_part
 from coral.runs import new_run_folder
 from coral.terminal import tell
 from coral.words import many
 
-TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
+TRACKER_HELP = f"Tracker of the objects in those pictures: {forms_text(TRACKERS)}."
 VERDICTS: dict[str, Literal["success", "failure"]] = {"s": "success", "f": "failure"}
 WAYS_ON = "ask a model (--advisor PROVIDER:MODEL), answer yourself (--advisor desk), or give a cost (--cost FILE)"
 """What to do where nobody recorded an answer."""

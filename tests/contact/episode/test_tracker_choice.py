@@ -146,9 +146,6 @@ def test_the_configuration_names_the_tracker_too(tmp_path, capsys):
     words = ["contact", "run", "pick-box", "--world", "hand", "--config", str(file), "--out", str(tmp_path / "run")]
     assert main(words) == 1
     assert "http://127.0.0.1:9 does not answer" in capsys.readouterr().err
-    file.write_text("tracked: {by: foundationpose, foundationpose: {url: 'http://127.0.0.1:9'}}\n")
-    assert main(words) == 1
-    assert "http://127.0.0.1:9 does not answer" in capsys.readouterr().err
     file.write_text("tracked: {by: magic}\n")
     assert main(words) == 2
     assert "magic" in capsys.readouterr().err

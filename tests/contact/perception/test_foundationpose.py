@@ -9,7 +9,7 @@ import pytest
 from stub_foundationpose import Oracle, serving
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.foundationpose import URL, FoundationPoseCfg, FoundationPoseTracker, OutOfReach, exchange
+from coral.contact.perception.foundationpose import URL, FoundationPoseTracker, OutOfReach, exchange
 from coral.contact.perception.foundationpose_server import Sessions, encode
 from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.tracked_cfg import TrackedCfg
@@ -44,7 +44,7 @@ def seen(trial):
 
 def test_poses_go_through_the_server_and_are_judged(url, seen):
     model, frame, truth = seen
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    tracker = FoundationPoseTracker(model, url, expected=truth)
     np.testing.assert_allclose(Oracle.last.vertices[Oracle.last.faces], model.triangles, atol=1e-6)
     Oracle.answer = inverse_transform(frame.T_world_camera) @ truth
     first = tracker.track(frame, frame.mask("box"))
@@ -66,7 +66,7 @@ def test_poses_go_through_the_server_and_are_judged(url, seen):
 
 def test_an_unseen_object_is_not_even_asked_for(url, seen):
     model, frame, _ = seen
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+    tracker = FoundationPoseTracker(model, url)
     estimate = tracker.track(frame, np.zeros(frame.depth.shape, bool))
     assert (estimate.lost, estimate.reason) == (True, "not seen")
     assert Oracle.calls == []
@@ -74,7 +74,7 @@ def test_an_unseen_object_is_not_even_asked_for(url, seen):
 
 def test_the_server_s_complaint_reaches_the_user(url, seen, monkeypatch):
     model, frame, _ = seen
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+    tracker = FoundationPoseTracker(model, url)
 
     def fail(self, **request):
         raise RuntimeError("CUDA out of memory")
@@ -90,15 +90,15 @@ def test_the_server_s_complaint_reaches_the_user(url, seen, monkeypatch):
 def test_bad_addresses_and_colourless_pictures(url, seen):
     model, frame, _ = seen
     with pytest.raises(TrackerFailed, match="does not answer"):
-        FoundationPoseTracker(model, FoundationPoseCfg(url="http://127.0.0.1:9"))
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+        FoundationPoseTracker(model, "http://127.0.0.1:9")
+    tracker = FoundationPoseTracker(model, url)
     with pytest.raises(InputError, match="colours"):
         tracker.register(replace(frame, rgb=None), frame.mask("box"))
 
 
 def test_a_hint_is_taken_and_left_alone(url, seen):
     model, frame, truth = seen
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    tracker = FoundationPoseTracker(model, url, expected=truth)
     Oracle.answer = inverse_transform(frame.T_world_camera) @ truth
     for _ in range(2):
         estimate = tracker.track(frame, frame.mask("box"), guess=np.eye(4))
@@ -108,7 +108,7 @@ def test_a_hint_is_taken_and_left_alone(url, seen):
 def test_a_closed_tracker_leaves_nothing_on_the_server(seen):
     model, _, _ = seen
     with serving() as server:
-        tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=server.url))
+        tracker = FoundationPoseTracker(model, server.url)
         assert len(server.sessions._open) == 1
         tracker.close()
         assert len(server.sessions._open) == 0
@@ -131,7 +131,7 @@ def test_what_is_no_pose_is_named(url, seen, monkeypatch, answer):
         "answer",
         lambda self, verb, request: {"session": np.array("a")} if verb == "init" else {"pose": answer},
     )
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+    tracker = FoundationPoseTracker(model, url)
     with pytest.raises(TrackerFailed, match="no pose"):
         tracker.register(frame, frame.mask("box"))
 
@@ -141,10 +141,10 @@ def test_answers_that_lack_what_was_asked_are_named(url, seen, monkeypatch, answ
     model, frame, _ = seen
     monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: answer)
     with pytest.raises(TrackerFailed, match="session"):
-        FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+        FoundationPoseTracker(model, url)
     monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: answer | {"session": np.array("a")})
     with pytest.raises(TrackerFailed, match="no pose"):
-        FoundationPoseTracker(model, FoundationPoseCfg(url=url)).register(frame, frame.mask("box"))
+        FoundationPoseTracker(model, url).register(frame, frame.mask("box"))
 
 
 def test_garbage_from_the_network_is_a_named_failure(url, seen, monkeypatch):
@@ -152,7 +152,7 @@ def test_garbage_from_the_network_is_a_named_failure(url, seen, monkeypatch):
     for raw in (b"PK\x03\x04 and no more", b"", encode({"session": np.array("a")})[:60]):
         monkeypatch.setattr("coral.contact.perception.foundationpose_server.encode", lambda arrays, raw=raw: raw)
         with pytest.raises(TrackerFailed, match="npz"):
-            FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+            FoundationPoseTracker(model, url)
 
 
 @pytest.mark.parametrize("place", [(0, 0, 0), (0, 0, -1), (1e9, 0, 1), (0, 0, 1e9)])
@@ -161,7 +161,7 @@ def test_a_pose_out_of_this_world_is_a_lost_object(url, seen, monkeypatch, place
     pose = np.eye(4)
     pose[:3, 3] = place
     monkeypatch.setattr(Oracle, "answer", pose)
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    tracker = FoundationPoseTracker(model, url, expected=truth)
     estimate = tracker.register(frame, frame.mask("box"))
     assert estimate.lost
     np.testing.assert_array_equal(estimate.T_world_object, truth)
@@ -186,7 +186,7 @@ def seen_in_full():
 )
 def test_a_server_that_lies_by_two_centimetres_is_found_out(url, seen_in_full, monkeypatch, shift_m, turn_deg, noticed):
     model, frame, truth = seen_in_full
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    tracker = FoundationPoseTracker(model, url, expected=truth)
     monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
     believed = tracker.track(frame, frame.mask("box")).confidence
     wrong = truth.copy()
@@ -200,7 +200,7 @@ def test_a_server_that_lies_by_two_centimetres_is_found_out(url, seen_in_full, m
 
 def test_a_server_that_repeats_itself_is_found_out_once_the_object_has_moved(url, seen, monkeypatch, trial):
     model, frame, truth = seen
-    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    tracker = FoundationPoseTracker(model, url, expected=truth)
     monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
     assert not tracker.track(frame, frame.mask("box")).lost
     moved = truth.copy()

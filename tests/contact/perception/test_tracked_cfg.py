@@ -6,7 +6,6 @@ from episodes import make_trial
 
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.depth_noise import D435, DepthNoiseCfg
-from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.tracked_cfg import EYE, EYES, TARGET, TrackedCfg, make_camera, viewpoint
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -14,7 +13,7 @@ from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 SMALL = TrackedCfg(camera=RgbdCameraCfg(width=64, height=48))
-SERVED = replace(SMALL, by="foundationpose", foundationpose=FoundationPoseCfg(url="http://127.0.0.1:9"))
+SERVED = replace(SMALL, by="foundationpose:http://127.0.0.1:9")
 
 
 def test_poses_that_take_longer_than_a_picture_are_refused():

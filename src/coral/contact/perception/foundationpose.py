@@ -5,13 +5,11 @@ from __future__ import annotations
 import contextlib
 import re
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import PoseBelief, is_unseen, patch_around
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
@@ -25,19 +23,10 @@ URL = re.compile(r"http://(?:\[[\da-fA-F:.]+\]|[\w.-]+)(?::(?:[1-5]?\d{1,4}|6[0-
 """Form of an address: a host, perhaps with a port."""
 CONNECT_S = 5.0
 """Longest time to connect."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FoundationPoseCfg:
-    """Server and steps; the steps are those of FoundationPose's own demo."""
-
-    url: str = ""
-    """Address of the server, such as http://127.0.0.1:5070; empty if `--tracker` gives it."""
-    register_steps: Count = 5
-    track_steps: Count = 2
-    """Refinement steps per pose."""
-    timeout_s: Positive = 30.0
-    """Time for one answer, to its last byte."""
+REGISTER_STEPS, TRACK_STEPS = 5, 2
+"""Refinement steps per pose: those of FoundationPose's own demo."""
+ANSWER_S = 30.0
+"""Time for one answer, to its last byte."""
 
 
 class OutOfReach(TrackerFailed):
@@ -47,21 +36,21 @@ class OutOfReach(TrackerFailed):
 class FoundationPoseTracker:
     """Tracks one object through a server; it assesses the poses itself, because the server gives no confidence.
 
-    The object's triangles are sent to the server; `expected` is as in `ModelTracker`.
+    The object's triangles are sent to the server at `url`; `expected` is as in `ModelTracker`.
 
     Raises:
         TrackerFailed: The server does not answer, or refuses the object.
     """
 
-    def __init__(self, model: ObjectModel, cfg: FoundationPoseCfg | None = None, expected: Array | None = None) -> None:
-        self.model, self.cfg = model, cfg or FoundationPoseCfg()
+    def __init__(self, model: ObjectModel, url: str, expected: Array | None = None) -> None:
+        self.model, self.url = model, url
         self._session: NDArray[Any] | None = None
         self.belief = PoseBelief(model, expected)
         vertices, faces = np.unique(model.triangles.reshape(-1, 3).round(7), axis=0, return_inverse=True)
         shape = {"vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}
         self._session = self._ask("init", shape).get("session")
         if self._session is None:
-            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
+            raise TrackerFailed(f"foundationpose at {self.url}: the answer to init names no session")
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without a previous pose.
@@ -72,7 +61,7 @@ class FoundationPoseTracker:
         """
         if is_unseen(frame, mask):  # the network would silently return the identity
             return self.belief.lose("not seen")
-        request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
+        request = self._picture(frame) | {"mask": mask, "iterations": np.array(REGISTER_STEPS)}
         return self._assess(frame, mask, self._pose("register", request), registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
@@ -88,7 +77,7 @@ class FoundationPoseTracker:
             return self.register(frame, mask)
         if is_unseen(frame, mask):
             return self.belief.lose("not seen")
-        request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
+        request = self._picture(frame) | {"iterations": np.array(TRACK_STEPS)}
         return self._assess(frame, mask, self._pose("track", request))
 
     def close(self) -> None:
@@ -102,7 +91,7 @@ class FoundationPoseTracker:
         if frame.rgb is None:
             raise InputError("foundationpose", "camera", "a picture without colours", "a camera that takes colours")
         if self._session is None:
-            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the tracker was closed, or lost its server")
+            raise TrackerFailed(f"foundationpose at {self.url}: the tracker was closed, or lost its server")
         return {"session": self._session, "K": frame.K, "rgb": frame.rgb, "depth": frame.depth}
 
     def _pose(self, verb: str, request: Arrays) -> Array:
@@ -114,7 +103,7 @@ class FoundationPoseTracker:
             or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3)
             or np.linalg.det(pose[:3, :3]) < 0
         ):
-            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
+            raise TrackerFailed(f"foundationpose at {self.url}: the answer to {verb} is no pose")
         return pose.astype(float)
 
     def _assess(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
@@ -123,7 +112,7 @@ class FoundationPoseTracker:
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         try:
-            return exchange(self.cfg.url, verb, encode(request), self.cfg.timeout_s)
+            return exchange(self.url, verb, encode(request), ANSWER_S)
         except OutOfReach:
             self._session = None  # so that `close` does not wait for a dead server again
             raise

@@ -11,7 +11,6 @@ import numpy as np
 from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import SENSORS, DepthNoiseCfg, Sensor
-from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
@@ -33,8 +32,6 @@ _DRAWN = (0,)
 class TrackedCfg:
     """The camera, the tracker, and the use of its poses."""
 
-    foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
-    """Configuration of the tracker `foundationpose`."""
     period_s: Positive = 0.04
     """Time between two pictures."""
     latency_s: NonNegative = 0.04
@@ -78,7 +75,7 @@ class TrackedCfg:
         Raises:
             InputError: There is no such tracker.
         """
-        return choose_tracker(self.by, self.foundationpose, "tracked", "by")
+        return choose_tracker(self.by, "tracked", "by")
 
 
 def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:

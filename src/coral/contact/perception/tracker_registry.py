@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from coral.contact.perception.foundationpose import CONNECT_S, URL, FoundationPoseCfg, FoundationPoseTracker, exchange
+from coral.contact.perception.foundationpose import CONNECT_S, URL, FoundationPoseTracker, exchange
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseTracker
@@ -29,36 +29,28 @@ class TrackerChoice:
 
 
 TRACKERS = {
-    "model": ("model", "the embedded tracker (the default)"),
-    "foundationpose": ("foundationpose:http://HOST:PORT", "a FoundationPose server"),
+    "model": "the embedded tracker (the default)",
+    "foundationpose:http://HOST:PORT": "a FoundationPose server",
 }
-"""By name: form of the value after `--tracker`, and description, as half a sentence."""
+"""Description of each form of the value after `--tracker`, as half a sentence."""
 
 
-def tracker_help() -> str:
-    """List the trackers with their descriptions, for the command line's help."""
-    return "; or ".join(f"{form}, {what}" for form, what in TRACKERS.values())
-
-
-def choose_tracker(
-    word: str, server: FoundationPoseCfg | None = None, where: str = "--tracker", field: str = ""
-) -> TrackerChoice:
-    """Choose a tracker by its NAME, or NAME:ADDRESS for one on a server unless its configuration has the address.
+def choose_tracker(word: str, where: str = "--tracker", field: str = "") -> TrackerChoice:
+    """Choose a tracker by its NAME, or NAME:ADDRESS for one on a server.
 
     Raises:
         InputError: There is no such tracker.
     """
-    name, _, address = word.partition(":")
-    cfg = server or FoundationPoseCfg()
-    cfg = replace(cfg, url=address or cfg.url)
+    name, _, url = word.partition(":")
     if word == "model":
         return TrackerChoice("model", ModelTracker)
-    if name == "foundationpose" and URL.fullmatch(cfg.url):
+    if name == "foundationpose" and URL.fullmatch(url):
         return TrackerChoice(
             "foundationpose",
-            lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),
+            lambda shape, expected: FoundationPoseTracker(shape, url, expected),
             wants_colours=True,
-            check=lambda: exchange(cfg.url, "", b"", CONNECT_S),
+            check=lambda: exchange(url, "", b"", CONNECT_S),
         )
-    forms = " or ".join(form for form, _ in TRACKERS.values())
-    raise InputError(where, field, repr(word), f"{forms}{'' if name in TRACKERS else nearest(name, TRACKERS)}")
+    names = [form.partition(":")[0] for form in TRACKERS]
+    expected = f"{' or '.join(TRACKERS)}{'' if name in names else nearest(name, names)}"
+    raise InputError(where, field, repr(word), expected)

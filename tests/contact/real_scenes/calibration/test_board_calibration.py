@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from drawn_board import FLAT, PLACED, picture
 
-from coral.calibration_board import CharucoBoard
 from coral.contact.real_scenes.calibration.board_calibration import (
     calibrate_by_held_board,
     calibrate_by_placed_board,
     solve_robot_world,
 )
+from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
 from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_from_vector
 from coral.errors import InputError
 

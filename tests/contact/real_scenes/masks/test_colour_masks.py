@@ -7,6 +7,7 @@ from coral.contact.real_scenes.masks.colour_masks import (
     ColourMasks,
     ColourRegion,
     hue_saturation_value,
+    make_colour_masks,
     paint_regions,
     read_colours,
 )
@@ -62,6 +63,12 @@ def test_a_picture_without_colours_is_refused():
 def test_a_file_of_colours_is_read(tmp_path):
     (tmp_path / "colours.yaml").write_text("objects: {box: {hue_deg: [350, 15], saturation: [0.5, 1.0]}}")
     assert read_colours(tmp_path / "colours.yaml") == {"box": ColourRegion(hue_deg=(350, 15), saturation=(0.5, 1.0))}
+
+
+def test_an_object_that_a_file_does_not_name_is_one_line(tmp_path):
+    (tmp_path / "c.yaml").write_text("objects: {can: {hue_deg: [0, 20]}}")
+    with pytest.raises(InputError, match=r"objects\.box: found missing"):
+        make_colour_masks(str(tmp_path / "c.yaml"), None, {"box": None})
 
 
 @pytest.mark.parametrize(

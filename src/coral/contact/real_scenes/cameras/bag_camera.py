@@ -43,7 +43,7 @@ class BagRgbdCamera:
         file, _, asked = rest.partition("#")
         self.path, self.name = Path(file), f"bag:{rest}"
         self._placed = np.eye(4) if T_world_camera is None else T_world_camera
-        if not self.path.exists():
+        if not file or not self.path.exists():
             raise InputError("--camera", "", self.name, "a ROS 2 bag or an MCAP file")
         self._bag = Bag(self.path)
         self.topics = _choose_topics(self.path, self._bag.message_types(), asked)

@@ -1,16 +1,11 @@
-"""The cameras by name: `--camera`, its help and its errors follow from this registry."""
+"""The cameras by name: what `--camera` takes."""
 
 from __future__ import annotations
 
-from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
-from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, WIDTH, RealSenseCamera
+from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, WIDTH
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.contact.scene.observation import Array
-from coral.errors import InputError
 from coral.plugins import named_plugin
-
-GROUP = "coral.cameras"
-
 
 CAMERAS = {
     "bag:FILE": "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
@@ -21,11 +16,6 @@ CAMERAS = {
 """Description of each form of the value after `--camera`, as half a sentence."""
 
 
-def camera_help() -> str:
-    """List the cameras with their descriptions, for the command line's help."""
-    return "; or ".join(f"{form}, {what}" for form, what in CAMERAS.items())
-
-
 def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdCamera:
     """Make the camera that NAME or NAME:REST names; it is not started yet. T_world_camera is None if it is not known.
 
@@ -33,16 +23,5 @@ def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdC
         InputError: There is no such camera.
     """
     name, _, rest = word.partition(":")
-    form = next((form for form in CAMERAS if form.partition(":")[0] == name), None)
-    if form is not None and not rest:
-        raise InputError("--camera", "", repr(word), form)
-    if name == "realsense":
-        return RealSenseCamera(rest or None, T_world_camera)
-    if name == "bag":
-        return BagRgbdCamera(rest, T_world_camera)
-    if name == "drawn":
-        from coral.contact.real_scenes.cameras.drawn_camera import still_camera  # MuJoCo is slow to import
-
-        return still_camera(rest, T_world_camera)
-    made: RgbdCamera = named_plugin(GROUP, name, "--camera", ours=[*CAMERAS])(rest, T_world_camera)
+    made: RgbdCamera = named_plugin("coral.cameras", name, "--camera")(rest, T_world_camera)
     return made

@@ -14,6 +14,7 @@ from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
+from coral.errors import InputError
 
 PICTURES, PERIOD_S = 10, 0.1
 """Number of pictures of a still scene, and the time between two."""
@@ -64,6 +65,8 @@ def still_camera(task: str, T_world_camera: Array | None = None) -> DrawnRgbdCam
     Raises:
         InputError: There is no such task.
     """
+    if not task:
+        raise InputError("--camera", "", "drawn", "drawn:TASK")
     trial = sample_trial(load_task(task), 0)
     start = scene_at_start(trial)
     states = iter([replace(start, time_s=PERIOD_S * k) for k in range(PICTURES)])

@@ -25,8 +25,8 @@ class RealSenseCamera:
 
     live = True
 
-    def __init__(self, serial: str | None = None, T_world_camera: Array | None = None) -> None:
-        self.name = "realsense" if serial is None else f"realsense:{serial}"
+    def __init__(self, serial: str = "", T_world_camera: Array | None = None) -> None:
+        self.name = f"realsense:{serial}" if serial else "realsense"
         try:
             import pyrealsense2
         except ImportError as error:
@@ -39,7 +39,7 @@ class RealSenseCamera:
     def start(self) -> None:
         """See `RgbdCamera.start`."""
         rs, config, pipeline = self._rs, self._rs.config(), self._rs.pipeline()
-        if self._serial is not None:
+        if self._serial:
             config.enable_device(self._serial)
         config.enable_stream(rs.stream.depth, WIDTH, HEIGHT, rs.format.z16, RATE_HZ)
         config.enable_stream(rs.stream.color, WIDTH, HEIGHT, rs.format.rgb8, RATE_HZ)

@@ -13,8 +13,10 @@ from pydantic import BaseModel, Field
 
 from coral.config import Fraction, read_model
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.object_model import ObjectModel
 from coral.contact.real_scenes.masks.mask_source import Mask, clean_mask
 from coral.contact.scene.observation import Array
+from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
 Degrees = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
@@ -93,6 +95,21 @@ def read_colours(path: Path) -> dict[str, ColourRegion]:
         InputError: The file is missing or broken.
     """
     return read_model(path, ColoursFile).objects
+
+
+def make_colour_masks(file: str, trial: Trial, models: Mapping[str, ObjectModel]) -> ColourMasks:
+    """Make the masks of a trial's objects, by the colours of a file, or of the task if it is "".
+
+    Raises:
+        InputError: The file is missing, broken or lacks an object, or there is none and objects have the same colour.
+    """
+    if not file:
+        return ColourMasks(paint_regions({name: trial.task.object(name).color for name in models}, trial.task.name))
+    regions = read_colours(Path(file))
+    for name in models:
+        if name not in regions:
+            raise InputError(file, f"objects.{name}", "missing", f"an entry for each object: {', '.join(models)}")
+    return ColourMasks({name: regions[name] for name in models})
 
 
 def hue_saturation_value(frame: RgbdFrame) -> Array:

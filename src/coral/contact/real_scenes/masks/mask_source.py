@@ -1,4 +1,4 @@
-"""The interface of what segments objects in pictures, and what all masks have in common."""
+"""What segments objects in pictures: the interface, the sources by name, and what all masks have in common."""
 
 from __future__ import annotations
 
@@ -10,9 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.object_model import ObjectModel
 from coral.contact.scene.observation import Array
+from coral.contact.scene.trial import Trial
+from coral.plugins import named_plugin
 
 Mask = NDArray[np.bool_]
+MASKS = {"colour[:FILE]": "the colours of the task file, or of a file"}
+"""Description of each form of the value after `--masks`, as half a sentence."""
 SECOND_PART = 0.2
 """Parts of a mask with a smaller share of its largest part are dropped: a finger in front splits an object in two."""
 _SPECKLE = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
@@ -30,6 +35,17 @@ class MaskSource(Protocol):
         Raises:
             InputError: The picture lacks colours that are needed.
         """
+
+
+def make_masks(word: str, trial: Trial, models: Mapping[str, ObjectModel]) -> MaskSource:
+    """Make the source of masks that a word names, NAME or NAME:REST.
+
+    Raises:
+        InputError: There is no such source, or it cannot be used for these objects.
+    """
+    name, _, rest = word.partition(":")
+    made: MaskSource = named_plugin("coral.masks", name, "--masks")(rest, trial, models)
+    return made
 
 
 def clean_mask(mask: Mask) -> Mask:

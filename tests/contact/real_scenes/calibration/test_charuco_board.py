@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.calibration_board import CharucoBoard
+from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
 from coral.errors import InputError
 
 

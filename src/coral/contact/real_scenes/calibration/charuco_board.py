@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.scene.observation import Array
 from coral.errors import InputError
-
-Array = NDArray[np.float64]
 
 FORM = "COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03"
 DICTIONARY = "4X4_50"
@@ -37,25 +36,27 @@ class CharucoBoard:
         InputError: The word describes no board.
     """
 
-    def __init__(self, word: str, where: str = "--board") -> None:
+    def __init__(self, word: str) -> None:
         found = re.fullmatch(r"(\d+)x(\d+):([\d.]+):([\d.]+)(?::(\w+))?", word)
         if found is None:
-            raise InputError(where, "", repr(word), FORM)
+            raise InputError("--board", "", repr(word), FORM)
         columns, rows = int(found[1]), int(found[2])
         try:
             self.square_m, marker_m = float(found[3]), float(found[4])
         except ValueError:
-            raise InputError(where, "", repr(word), FORM) from None
+            raise InputError("--board", "", repr(word), FORM) from None
         name = (found[5] or DICTIONARY).upper().removeprefix("DICT_")
         dictionary = getattr(cv2.aruco, f"DICT_{name}", None)
         if dictionary is None:
-            raise InputError(where, "dictionary", name, "a dictionary of OpenCV: 4X4_50, 5X5_100, APRILTAG_36H11 ...")
+            raise InputError(
+                "--board", "dictionary", name, "a dictionary of OpenCV: 4X4_50, 5X5_100, APRILTAG_36H11 ..."
+            )
         if not (3 <= columns <= 40 and 3 <= rows <= 40 and 0.001 < marker_m < self.square_m < 1.0):
-            raise InputError(where, "", repr(word), f"3 to 40 squares a side, markers smaller than squares: {FORM}")
+            raise InputError("--board", "", repr(word), f"3 to 40 squares a side, markers smaller than squares: {FORM}")
         markers = cv2.aruco.getPredefinedDictionary(dictionary)
         if columns * rows // 2 > len(markers.bytesList):
             expected = f"a dictionary with {columns * rows // 2} markers; this one has {len(markers.bytesList)}"
-            raise InputError(where, "dictionary", name, expected)
+            raise InputError("--board", "dictionary", name, expected)
         self._board: Any = cv2.aruco.CharucoBoard((columns, rows), self.square_m, marker_m, markers)
         old: Any = cv2.aruco.CharucoBoard((columns, rows), self.square_m, marker_m, markers)
         old.setLegacyPattern(True)  # until OpenCV 4.6, and from calib.io: with even rows the first square is white
