@@ -15,10 +15,9 @@ CAN = solid(("cylinder", (0.033, 0.06)))
 
 def picture(model, T, background=1.5):
     """Depth and mask of a model alone before a wall, and the drawing's own depth."""
-    depth, solid, face = np.empty((120, 160)), np.empty((120, 160), np.int64), np.empty((120, 160), np.int64)
     back = inverse_transform(T)
     eye, turn = back[:3, 3].copy(), np.ascontiguousarray(back[:3, :3])
-    render(turn, eye, LENS, 0.02, 20.0, model.solids, depth, solid, face)
+    depth, solid, _ = render(turn, eye, LENS, 0.02, 20.0, model.solids, 120, 160)
     return np.where(solid >= 0, depth, background).astype(np.float32), solid >= 0
 
 

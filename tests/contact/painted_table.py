@@ -3,8 +3,7 @@
 import numpy as np
 from solid_object import solid
 
-from coral.contact.perception.camera import RgbdFrame, look_at
-from coral.contact.real_scenes.object_drawing import draw_depth
+from coral.contact.perception.camera import RgbdFrame, draw_depth, look_at
 from coral.contact.scene.geometry import inverse_transform, pose_matrix
 
 LENS = np.array([120.0, 120.0, 47.5, 35.5])

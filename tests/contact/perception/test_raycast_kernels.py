@@ -50,11 +50,11 @@ def test_every_shape_as_mujoco_hits_it(eye):
     assert same.mean() > 0.9995  # at an edge, rounding decides
     np.testing.assert_allclose(frame.depth[same], depth[same], rtol=1e-5)
     from coral.contact.perception.normal_kernels import normals
+    from coral.contact.perception.raycast_kernels import render
 
-    trial = np.empty((*depth.shape, 3))
     T = camera.T_world_camera
     solids = camera._solids._replace(center=data.geom_xpos, rotation=data.geom_xmat.reshape(-1, 3, 3))
-    turn, eye, buffers = np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy(), (camera._depth, camera._solid, camera._face)
-    normals(turn, eye, camera.cfg.lens, solids, *buffers, trial)
+    turn, eye, lens = np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy(), camera.cfg.lens
+    trial = normals(turn, eye, lens, solids, render(turn, eye, lens, 0.001, 1e6, solids, *depth.shape))
     seen = same & (depth > 0)
     assert np.quantile(np.abs((trial[seen] * normal[seen]).sum(1)), 0.01) > 0.999

@@ -7,8 +7,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from coral.contact.perception.image_patch import ROBOT, ImagePatch
-from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.raycast_kernels import FAR_M, NEAR_M, invert, render
+from coral.contact.perception.normal_kernels import draw_with_normals
+from coral.contact.perception.raycast_kernels import draw_object
 from coral.contact.perception.solids import Solids
 
 AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
@@ -31,13 +31,8 @@ def count_agreement(
     """
     measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = measured.shape
-    depth = np.empty((height, width))
-    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
-    normal, tally = np.empty((height, width, 3)), np.zeros(7)
-    back, eye = np.empty((3, 3)), np.empty(3)
-    invert(T_camera_object, back, eye)
-    render(back, eye, lens, NEAR_M, FAR_M, solids, depth, solid, face)
-    normals(back, eye, lens, solids, depth, solid, face, normal)
+    depth, solid, normal = draw_with_normals(T_camera_object, solids, lens, height, width)
+    tally = np.zeros(7)
     for v in range(height):
         q = (v - lens[3]) / lens[1]
         for u in range(width):
@@ -77,12 +72,9 @@ def shift_onto_mask(
     """Return the pose, Shape=(4, 4), shifted until the object's drawing has the centre and mean depth of the mask."""
     measured, mask, lens = patch.depth, patch.mask, patch.lens
     height, width = measured.shape
-    depth = np.empty((height, width))
-    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
-    back, eye, pose = np.empty((3, 3)), np.empty(3), T_camera_object.copy()
+    pose = T_camera_object.copy()
     for _ in range(rounds):
-        invert(pose, back, eye)
-        render(back, eye, lens, NEAR_M, FAR_M, solids, depth, solid, face)
+        depth, solid, _ = draw_object(pose, solids, lens, height, width)[0]
         mu, mv, mz, m, mn = 0.0, 0.0, 0.0, 0.0, 0.0
         du, dv, dz, d = 0.0, 0.0, 0.0, 0.0
         for v in range(height):

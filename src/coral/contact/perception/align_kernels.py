@@ -18,8 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from coral.contact.perception.image_patch import NEARER, OCCLUDED_RIM, ROBOT, ImagePatch
-from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.raycast_kernels import FAR_M, NEAR_M, invert, render
+from coral.contact.perception.normal_kernels import draw_with_normals
 from coral.contact.perception.solids import Solids
 
 _LEVER = 0.03
@@ -45,20 +44,15 @@ def align(
     first guess along every direction. The pivot is a point of the object (m).
     """
     height, width = patch.depth.shape
-    depth = np.empty((height, width))
-    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
-    normal = np.empty((height, width, 3))
-    back, eye, middle = np.empty((3, 3)), np.empty(3), np.empty(3)
-    h, b, gone, pose = np.empty((6, 6)), np.empty(6), np.zeros(6), T_camera_object.copy()
+    middle, pose = np.empty(3), T_camera_object.copy()
+    h, b, gone = np.empty((6, 6)), np.empty(6), np.zeros(6)
     scale = wide
     for _ in range(iterations):
         for i in range(3):
             middle[i] = pose[i, 3]
             for j in range(3):
                 middle[i] += pose[i, j] * pivot[j]
-        invert(pose, back, eye)
-        render(back, eye, patch.lens, NEAR_M, FAR_M, solids, depth, solid, face)
-        normals(back, eye, patch.lens, solids, depth, solid, face, normal)
+        depth, solid, normal = draw_with_normals(pose, solids, patch.lens, height, width)
         _accumulate(middle, depth, normal, solid, patch, scale, outline, h, b)
         for i in range(6):
             weight = hold if i > 2 else hold * _LEVER * _LEVER
@@ -111,7 +105,7 @@ def _accumulate(
                 ratio = residual / scale
                 if abs(ratio) < 1.0 and abs(seen - z) < 4.0 * scale:
                     weight = (1.0 - ratio * ratio) ** 2  # Tukey
-                    _add(middle, p, q, z, nx, ny, nz, residual, weight, row, h, b)
+                    _add(middle, (z * p, z * q, z), (nx, ny, nz), residual, weight, row, h, b)
             if not (0 < u < width - 1 and 0 < v < height - 1):
                 continue
             if solid[v, u - 1] >= 0 and solid[v, u + 1] >= 0 and solid[v - 1, u] >= 0 and solid[v + 1, u] >= 0:
@@ -125,18 +119,15 @@ def _accumulate(
             weight = outline / max(1.0, abs(away) / 4.0)
             # The residual is the distance by which the outline's point must move along the gradient, in metres at its
             # depth.
-            _add(middle, p, q, z, gu, gv, -gu * p - gv * q, -away * z / lens[0], weight, row, h, b)
+            along = gu, gv, -gu * p - gv * q
+            _add(middle, (z * p, z * q, z), along, -away * z / lens[0], weight, row, h, b)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _add(
     middle: NDArray[np.float64],
-    p: float,
-    q: float,
-    z: float,
-    nx: float,
-    ny: float,
-    nz: float,
+    point: tuple[float, float, float],
+    n: tuple[float, float, float],
     residual: float,
     weight: float,
     row: NDArray[np.float64],
@@ -144,9 +135,9 @@ def _add(
     b: NDArray[np.float64],
 ) -> None:
     """Add one equation n . (turn x (point - middle) + shift) = residual."""
-    x, y, w = z * p - middle[0], z * q - middle[1], z - middle[2]
-    row[0], row[1], row[2] = y * nz - w * ny, w * nx - x * nz, x * ny - y * nx
-    row[3], row[4], row[5] = nx, ny, nz
+    x, y, z = point[0] - middle[0], point[1] - middle[1], point[2] - middle[2]
+    row[0], row[1], row[2] = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]
+    row[3], row[4], row[5] = n
     for i in range(6):
         b[i] += weight * row[i] * residual
         for j in range(i + 1):

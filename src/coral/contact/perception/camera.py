@@ -15,8 +15,8 @@ from pydantic import Field
 from coral.config import Positive
 from coral.contact.perception.depth_noise import DepthNoiseCfg
 from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.raycast_kernels import render
-from coral.contact.perception.solids import from_mujoco
+from coral.contact.perception.raycast_kernels import draw_object, render
+from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.scene.observation import Array
 
 
@@ -124,8 +124,6 @@ class RayCamera:
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)
         self.cfg, self.T_world_camera, self.noise = cfg, T_world_camera, noise
         self.colours = colours
-        shape = (cfg.height, cfg.width)
-        self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> RgbdFrame:
         """Take a picture of the present state; MuJoCo's kinematics must be up to date. With noise, `rng` is needed."""
@@ -134,21 +132,26 @@ class RayCamera:
         solids = self._solids._replace(
             center=data.geom_xpos[self._geoms], rotation=data.geom_xmat[self._geoms].reshape(-1, 3, 3)
         )
-        render(turn, eye, lens, cfg.near_m, cfg.far_m, solids, self._depth, self._solid, self._face)
-        instance = self._instance[self._solid]
-        depth = self._depth
+        picture = render(turn, eye, lens, cfg.near_m, cfg.far_m, solids, cfg.height, cfg.width)
+        depth, solid, _ = picture
+        instance = self._instance[solid]
         rgb = None
         if self.colours or self.noise is not None:
-            normal = np.empty((*depth.shape, 3))
-            normals(turn, eye, lens, solids, depth, self._solid, self._face, normal)
+            normal = normals(turn, eye, lens, solids, picture)
             if self.colours:
-                rgb = shade(normal, self._solid, self._rgb, lens)
+                rgb = shade(normal, solid, self._rgb, lens)
             if self.noise is not None:
                 if rng is None:
                     raise ValueError("a camera with noise needs a random generator")
                 depth, instance = self.noise.apply(depth, normal, instance, lens, rng)
         measured = np.where(np.isfinite(depth), depth, 0.0).astype(np.float32)
         return RgbdFrame(measured, instance, self.names, lens, self.T_world_camera.copy(), float(data.time), rgb)
+
+
+def draw_depth(solids: Solids, T_camera_object: Array, frame: RgbdFrame) -> Array:
+    """Draw an object, in its own frame, alone, as a frame's camera would: Shape=(H, W) m, inf where it is not."""
+    height, width = frame.depth.shape
+    return np.asarray(draw_object(T_camera_object, solids, frame.lens, height, width)[0][0])
 
 
 _AMBIENT, _HEADLIGHT, _LAMP = 0.3, 0.4, 0.3

@@ -8,7 +8,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.contact.perception.raycast_kernels import Picture, draw_object, enter_solid
 from coral.contact.perception.solids import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Solids
+
+
+@njit(cache=True, error_model="numpy")
+def draw_with_normals(
+    T_camera_object: NDArray[np.float64], solids: Solids, lens: NDArray[np.float64], height: int, width: int
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Draw an object alone: depth, solid, both Shape=(H, W), and unit normals, Shape=(H, W, 3)."""
+    picture, turn, eye = draw_object(T_camera_object, solids, lens, height, width)
+    return picture[0], picture[1], normals(turn, eye, lens, solids, picture)
 
 
 @njit(cache=True, error_model="numpy")
@@ -17,26 +27,19 @@ def normals(
     eye: NDArray[np.float64],
     lens: NDArray[np.float64],
     solids: Solids,
-    depth: NDArray[np.float64],
-    solid: NDArray[np.int64],
-    face: NDArray[np.int64],
-    normal: NDArray[np.float64],
-) -> None:
+    picture: Picture,
+) -> NDArray[np.float64]:
     """Compute the unit normals of a picture drawn by `render`, towards the camera, in the camera frame.
 
-    All arguments are as in `render` but `normal`, Shape=(H, W, 3), which is written: 0 without a surface.
+    The other arguments are as in `render`. Returns Shape=(H, W, 3), 0 without a surface.
     """
+    depth, solid, face = picture
     height, width = depth.shape
-    kind, rotation, size, triangles = solids.kind, solids.rotation, solids.size, solids.triangles
+    normal = np.zeros((height, width, 3))
+    kind, size, triangles = solids.kind, solids.size, solids.triangles
     o, m = np.empty((kind.size, 3)), np.empty((kind.size, 3, 3))  # the camera in every solid's own frame
     for i in range(kind.size):
-        for j in range(3):
-            o[i, j] = 0.0
-            for k in range(3):
-                o[i, j] += rotation[i, k, j] * (eye[k] - solids.center[i, k])
-                m[i, j, k] = (
-                    rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
-                )
+        enter_solid(i, turn, eye, solids, o[i], m[i])
     h = np.empty(3)
     n = np.empty(3)
     for v in range(height):
@@ -44,7 +47,6 @@ def normals(
         for u in range(width):
             i = solid[v, u]
             if i < 0:
-                normal[v, u, 0], normal[v, u, 1], normal[v, u, 2] = 0.0, 0.0, 0.0
                 continue
             t = depth[v, u]
             p = (u - lens[2]) / lens[0]
@@ -59,6 +61,7 @@ def normals(
             if x * p + y * q + z > 0.0:  # a mesh seen from behind
                 scale = -scale
             normal[v, u, 0], normal[v, u, 1], normal[v, u, 2] = scale * x, scale * y, scale * z
+    return normal
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from coral.contact.perception.mesh_kernels import draw_mesh
 from coral.contact.perception.solids import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Solids
 
+Picture = tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]
 _NONE = np.inf
 NEAR_M, FAR_M = 0.02, 20.0
 """Between these depths an object is drawn that is compared with a picture."""
@@ -28,34 +29,23 @@ def render(
     near: float,
     far: float,
     solids: Solids,
-    depth: NDArray[np.float64],
-    solid: NDArray[np.int64],
-    face: NDArray[np.int64],
-) -> None:
-    """Draw every solid: write depth (m), inf without a hit, index of the solid and of its triangle, -1 without one.
+    height: int,
+    width: int,
+) -> Picture:
+    """Draw every solid: depth (m), inf without a hit, index of the solid and of its triangle, -1 without one.
 
     `turn`, Shape=(3, 3), turns the camera's optical frame (x right, y down, z forward) to the frame of the solids, in
     which `eye`, Shape=(3,) m, is the camera; the lens is fx, fy, cx, cy in pixels. Depths from `near` to `far` (m) are
-    visible.
+    visible. Each result has the Shape=(height, width).
     """
-    height, width = depth.shape
-    for v in range(height):
-        for u in range(width):
-            depth[v, u] = np.inf
-            solid[v, u] = -1
-            face[v, u] = -1
+    depth = np.full((height, width), np.inf)
+    solid, face = np.full((height, width), -1, np.int64), np.full((height, width), -1, np.int64)
     o = np.empty(3)
     m = np.empty((3, 3))
     window = np.empty(4, np.int64)
-    kind, rotation, size = solids.kind, solids.rotation, solids.size
+    kind, size = solids.kind, solids.size
     for i in range(kind.size):
-        for j in range(3):
-            o[j] = 0.0
-            for k in range(3):
-                o[j] += rotation[i, k, j] * (eye[k] - solids.center[i, k])
-                m[j, k] = (
-                    rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
-                )
+        enter_solid(i, turn, eye, solids, o, m)
         _window(kind[i], o, m, size[i], lens, near, far, width, height, window)
         if window[0] >= window[1] or window[2] >= window[3]:
             continue
@@ -64,16 +54,38 @@ def render(
             draw_mesh(i, o, m, lens, near, far, first, count, solids.triangles, depth, solid, face)
         else:
             _primitive(i, kind[i], o, m, size[i], lens, near, far, window, depth, solid, face)
+    return depth, solid, face
 
 
 @njit(cache=True, error_model="numpy")
-def invert(T_camera_object: NDArray[np.float64], turn: NDArray[np.float64], eye: NDArray[np.float64]) -> None:
-    """Write rotation, Shape=(3, 3), and place, Shape=(3,) m, of the camera in the frame of an object."""
+def enter_solid(
+    i: int,
+    turn: NDArray[np.float64],
+    eye: NDArray[np.float64],
+    solids: Solids,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+) -> None:
+    """Write place `o`, Shape=(3,) m, and rotation `m`, Shape=(3, 3), of the camera in the frame of one solid."""
+    rotation = solids.rotation
+    for j in range(3):
+        o[j] = 0.0
+        for k in range(3):
+            o[j] += rotation[i, k, j] * (eye[k] - solids.center[i, k])
+            m[j, k] = rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
+
+
+@njit(cache=True, error_model="numpy")
+def draw_object(
+    T_camera_object: NDArray[np.float64], solids: Solids, lens: NDArray[np.float64], height: int, width: int
+) -> tuple[Picture, NDArray[np.float64], NDArray[np.float64]]:
+    """Draw an object, whose solids are in its own frame, alone: the picture, and `turn` and `eye`, as in `render`."""
+    turn, eye = np.empty((3, 3)), np.zeros(3)
     for i in range(3):
-        eye[i] = 0.0
         for j in range(3):
             turn[i, j] = T_camera_object[j, i]
             eye[i] -= T_camera_object[j, i] * T_camera_object[j, 3]
+    return render(turn, eye, lens, NEAR_M, FAR_M, solids, height, width), turn, eye
 
 
 @njit(cache=True, error_model="numpy", inline="always")

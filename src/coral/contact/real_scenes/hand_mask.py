@@ -8,10 +8,9 @@ import mujoco
 import numpy as np
 
 from coral.contact.control.hand_model import HandCfg, add_hand
-from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.camera import RgbdFrame, draw_depth
 from coral.contact.perception.image_patch import ROBOT_NAME
 from coral.contact.perception.solids import Solids, from_mujoco
-from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.observation import Array
 

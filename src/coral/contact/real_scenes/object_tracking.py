@@ -16,6 +16,7 @@ from coral.contact.perception.tracker import PoseEstimate, PoseTracker
 from coral.contact.perception.tracker_registry import TrackerChoice
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.masks.mask_source import MaskSource, make_masks
+from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import Trial

@@ -8,10 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.camera import RgbdFrame, draw_depth
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate
-from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.geometry import inverse_transform
 
 _GREEN, _WHITE = (60, 230, 60), (255, 255, 255)

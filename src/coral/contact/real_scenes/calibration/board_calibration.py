@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 from coral.contact.real_scenes.calibration.charuco_board import SeenBoard
-from coral.contact.scene.geometry import rotation_angle
+from coral.contact.scene.geometry import inverse_transform, pose_matrix, rotation_angle
 from coral.contact.scene.observation import Array
 from coral.errors import InputError
 
