@@ -170,12 +170,13 @@ class _Server:
 
         self._simulator, self._server = simulator, Server(simulator)
         simulator.init()
-        self._robot = simulator.add_robot(initial_q=arm.start_rad, initial_hand_width=0.08, position=arm.base_m)
+        robot = simulator.add_robot(initial_q=arm.start_rad, initial_hand_width=0.08, position=arm.base_m)
         simulator.worldbody.find("geom[@name='ground']").set("pos", f"0 0 {_GROUND_M}")
         for section, elements in scene_elements(trial).items():
             into = simulator.worldbody if section == "worldbody" else simulator.scene.find(section)
             into.extend(elements)
         self._server.init()
+        self.hostname = str(robot.hostname)
         make_rubber(simulator.model)
         self._scene = DoubleScene(simulator.model, simulator.data, trial)
 
@@ -196,11 +197,6 @@ class _Server:
             due = max(due + self._period_s, time.perf_counter() - 0.02)
             if (early_s := due - time.perf_counter()) > 0.0:
                 time.sleep(early_s)
-
-    @property
-    def hostname(self) -> str:
-        """Return the arm's address."""
-        return str(self._robot.hostname)
 
     def reported_wrench(self) -> Array:
         """Return the wrench as the arm would report it: filtered, biased and noisy."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.control.hand_model import HandCfg
 from coral.contact.franka.arm import ArmError, ArmState
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.observation import Array, HandTarget
@@ -152,9 +153,9 @@ class FrankyArm:
             self._robot.join_motion(1.0)
 
     def _gains(self, stiffness: float) -> Any:
-        cfg = self._cfg
-        gain = np.array([stiffness] * 3 + [stiffness * cfg.lever_m2] * 3)
-        inertia = np.array([cfg.effective_mass_kg] * 3 + [cfg.effective_inertia_kg_m2] * 3)
+        hand = HandCfg()  # damped critically for the inertia that the planner assumes
+        gain = np.array([stiffness] * 3 + [stiffness * hand.lever_m2] * 3)
+        inertia = np.array([hand.mass_kg] * 3 + [hand.inertia_kg_m2] * 3)
         return self._franky.CartesianImpedanceGains.diagonal(gain, 2.0 * np.sqrt(gain * inertia))
 
     def _friction(self) -> Any:

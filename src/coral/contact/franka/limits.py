@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from coral.contact.control.hand_model import HandCfg
 from coral.contact.franka.arm import ArmState
 from coral.contact.franka.arm_geometry import self_distance
 from coral.contact.franka.hand_gaps import TOUCHING_M, Gap
@@ -29,7 +30,7 @@ class Limits:
     """Checks states and bounds targets."""
 
     def __init__(self, arm: FrankaCfg) -> None:
-        self.cfg, self._arm = arm.limits, arm
+        self.cfg, self._hand = arm.limits, HandCfg()
         self._low = np.asarray(self.cfg.workspace_low_m, float) - arm.base_m
         self._high = np.asarray(self.cfg.workspace_high_m, float) - arm.base_m
 
@@ -94,7 +95,7 @@ class Limits:
         if length > most:
             lead = lead * (most / length)
         turn = to_rotvec(multiply(target.quaternion, conjugate(state.quaternion)))
-        angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._arm.lever_m2 * target.stiffness)
+        angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._hand.lever_m2 * target.stiffness)
         if angle > widest:
             turn = turn * (widest / angle)
         pressing = wrench[:3] if pressing is None else pressing
@@ -111,10 +112,10 @@ class Limits:
         more. Against a force that is felt across the gap it may pull that much more, so that a contact is pressed. What
         is felt to be touched may be pushed faster than it may be met.
         """
-        cfg, arm = self.cfg, self._arm
-        damping = 2.0 * np.sqrt(stiffness * arm.effective_mass_kg)
-        turning_stiffness = stiffness * arm.lever_m2
-        spin = turn * turning_stiffness / (2.0 * np.sqrt(turning_stiffness * arm.effective_inertia_kg_m2))
+        cfg, hand = self.cfg, self._hand
+        damping = 2.0 * np.sqrt(stiffness * hand.mass_kg)
+        turning_stiffness = stiffness * hand.lever_m2
+        spin = turn * turning_stiffness / (2.0 * np.sqrt(turning_stiffness * hand.inertia_kg_m2))
         felt = [max(0.0, -float(force @ gap.direction)) for gap in gaps]
         meeting = [cfg.touch_speed_m_s + gap.distance_m / cfg.slow_down_s for gap in gaps]
         allowed = [

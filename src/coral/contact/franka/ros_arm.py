@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, HandCfg
 from coral.contact.franka.arm import ArmError, ArmState
 from coral.contact.franka.arm_geometry import link_frames
 from coral.contact.franka.ros_poses import FLAG, RosPoses, pose_arrays, stamp_seconds
@@ -83,7 +83,7 @@ class RosArm:
         )
         trigger = ros_type("std_srvs.srv.Trigger", FLAG)
         self._stiffness = float(ros.parameter("stiffness_n_m", "600"))
-        self._turning_stiffness = float(ros.parameter("stiffness_n_m_rad", str(self._stiffness * cfg.lever_m2)))
+        self._turning_stiffness = float(ros.parameter("stiffness_n_m_rad", str(self._stiffness * HandCfg().lever_m2)))
         joint_state, wrench = ros_type("sensor_msgs.msg.JointState", FLAG), "geometry_msgs.msg.WrenchStamped"
         self._topics = {part: topic(ros, part) for part in (*_PARTS, "gripper_joint_states")}
         kinds = (joint_state, self._pose_message, ros_type(wrench, FLAG), joint_state)
@@ -147,7 +147,7 @@ class RosArm:
     def follow(self, target: HandTarget) -> None:
         """See `Arm.follow`."""
         share = target.stiffness / self._stiffness
-        turning_share = target.stiffness * self._cfg.lever_m2 / self._turning_stiffness
+        turning_share = target.stiffness * HandCfg().lever_m2 / self._turning_stiffness
         with self._lock:
             (position, quaternion), fault = self._parts["current_pose"], self._stop_reason or self._graph_fault
         if fault:

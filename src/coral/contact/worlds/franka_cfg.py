@@ -71,11 +71,6 @@ class FrankaCfg:
     """Share of the arm's speed with which it goes there."""
     rate_hz: Annotated[float, Field(ge=50, le=1000, allow_inf_nan=False)] = 200.0
     """Rate of the stream: how often the state is checked and the target sent."""
-    lever_m2: Positive = 0.05
-    """Rotational stiffness (N m/rad) per translational stiffness (N/m), as for the planner's hand."""
-    effective_mass_kg: Positive = 4.5
-    effective_inertia_kg_m2: Positive = 0.1
-    """Apparent inertia of the hand, for which the impedance is critically damped, as for the planner's hand."""
     posture_stiffness: NonNegative = 10.0
     """Stiffness towards the start posture in the nullspace, N m/rad."""
     joint_friction_n_m: tuple[

@@ -5,21 +5,26 @@ import pytest
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.scene.mujoco_scene import FINGER_FRICTION
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.panda.environment import RobotCfg, make_environment
+from coral.contact.worlds.panda.environment import (
+    BASE_M,
+    MOTOR_INERTIA_KG_M2,
+    PHYSICS_DT_S,
+    make_environment,
+)
 from coral.contact.worlds.panda.names import FINGER_ACTUATORS, FLOOR, JOINTS, PAD_GEOMS
 from coral.errors import InputError
 
 
 def test_the_arm_stands_where_it_is_configured_and_the_floor_below_its_pedestal(panda):
     panda.reset()
-    data, base = panda.data, panda.robot.base
+    data, base = panda.data, BASE_M
     np.testing.assert_allclose(data.body("robot0_link0").xpos, base, atol=1e-9)
     assert data.geom(FLOOR).xpos[2] == pytest.approx(base[2] - 0.912)
 
 
 def test_the_physics_is_the_planners_with_robosuites_step(panda):
     option = panda.model.opt
-    assert option.timestep == panda.robot.physics_step_s
+    assert option.timestep == PHYSICS_DT_S
     assert option.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     assert option.disableflags & mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
@@ -40,7 +45,7 @@ def test_fingers_squeeze_and_their_pads_grip_as_the_planner_believes(panda):
 
 def test_motors_have_the_configured_inertia(panda):
     for name in JOINTS:
-        assert panda.model.joint(name).armature[0] == panda.robot.motor_inertia
+        assert panda.model.joint(name).armature[0] == MOTOR_INERTIA_KG_M2
 
 
 def test_nothing_stands_in_the_view_of_the_cameras(panda):
@@ -52,4 +57,4 @@ def test_nothing_stands_in_the_view_of_the_cameras(panda):
 
 def test_a_control_period_that_no_physics_step_divides_is_refused():
     with pytest.raises(InputError, match=r"physics_step_s.*a whole number of them in 0\.0125 s"):
-        make_environment(lambda spec: None, RobotCfg(), 0.0125, lambda action: None)
+        make_environment(lambda spec: None, 0.0125, lambda action: None)

@@ -6,6 +6,7 @@ import pytest
 
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
+from coral.contact.worlds.panda.environment import START_RAD
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
 from coral.contact.worlds.panda.names import ARM_ACTUATORS, FINGER_ACTUATORS, JOINTS, SITE, TOOL_IN_SITE
 
@@ -15,7 +16,7 @@ class Bench:
 
     def __init__(self, panda, **cfg):
         self.model, self.data = panda.model, mujoco.MjData(panda.model)
-        joints = np.array(panda.robot.joints)
+        joints = np.array(START_RAD)
         self.qpos = [self.model.joint(name).qposadr[0] for name in JOINTS]
         self.dofs = [self.model.joint(name).dofadr[0] for name in JOINTS]
         self.arm = [self.model.actuator(name).id for name in ARM_ACTUATORS]

@@ -2,6 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from coral.contact.worlds.panda.environment import START_RAD
 from coral.contact.worlds.panda.names import ARM_ACTUATORS, HAND_BODY, JOINTS, SITE
 from coral.contact.worlds.panda.wrist_wrench import WristWrench
 
@@ -12,7 +13,7 @@ STEPS = 10
 def arm(panda):
     """The arm in its start posture, moving, with a wrist that has measured nothing yet."""
     model, data = panda.model, mujoco.MjData(panda.model)
-    data.qpos[[model.joint(name).qposadr[0] for name in JOINTS]] = panda.robot.joints
+    data.qpos[[model.joint(name).qposadr[0] for name in JOINTS]] = START_RAD
     data.qvel[[model.joint(name).dofadr[0] for name in JOINTS]] = [0.3, -0.2, 0.1, 0.4, 0.2, 0.2, -0.5]
     mujoco.mj_forward(model, data)
     return model, data, WristWrench(model, data)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -27,23 +26,17 @@ MISSING = (
     "then `pip install --no-deps robosuite==1.5.2` (its own requirements would replace numpy and OpenCV)"
 )
 MOUNT_HEIGHT_M = 0.912  # from the floor to the arm's foot, on robosuite's pedestal
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotCfg:
-    """Base and start posture of the robot."""
-
-    base: tuple[float, float, float] = (-0.5, 0.0, 0.0)
-    """Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics, which is kept as a test."""
-    joints: tuple[float, ...] = (0.0, -0.1, 0.0, -2.35, 0.0, 2.25, np.pi / 4)
-    """Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range."""
-    motor_inertia: float = 0.1
-    """Inertia of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7."""
-    link_inertia_factor: float = 0.1
-    """Scales robosuite's rotational inertias of links and hand, which would fit bodies three times as long (0.3 kg m^2
-    for a link of 3 kg)."""
-    physics_step_s: float = 0.002
-    """Physics step; robosuite's 2 ms keep a stiff grasp stable."""
+BASE_M = (-0.5, 0.0, 0.0)
+"""Foot of the arm (link 0), world frame. Chosen by a study of inverse kinematics, which is kept as a test."""
+START_RAD = (0.0, -0.1, 0.0, -2.35, 0.0, 2.25, np.pi / 4)
+"""Joints at reset: hand pointing down over the near half of the table, elbow up, mid-range."""
+MOTOR_INERTIA_KG_M2 = 0.1
+"""Inertia of rotor and gear at each joint; robosuite has 5 to 0.7."""
+LINK_INERTIA_FACTOR = 0.1
+"""Scales robosuite's rotational inertias of links and hand, which would fit bodies three times as long (0.3 kg m^2
+for a link of 3 kg)."""
+PHYSICS_DT_S = 0.002
+"""Physics step; robosuite's 2 ms keep a stiff grasp stable."""
 
 
 def _robosuite() -> Any:
@@ -63,7 +56,6 @@ def _robosuite() -> Any:
 
 def make_environment(
     add_scene: Callable[[mujoco.MjSpec], None],
-    cfg: RobotCfg,
     control_period_s: float,
     before_physics_step: Callable[[Any], None],
 ) -> Any:
@@ -76,7 +68,7 @@ def make_environment(
         InputError: The control period is not a whole number of physics steps.
         RunError: robosuite is not installed.
     """
-    whole_steps(control_period_s, cfg.physics_step_s, "panda", "physics_step_s")
+    whole_steps(control_period_s, PHYSICS_DT_S, "panda", "physics_step_s")
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
     class PandaAtTable(manipulation_env):  # type: ignore[misc, valid-type]
@@ -84,19 +76,19 @@ def make_environment(
 
         def _load_model(self) -> None:
             super()._load_model()
-            floor = cfg.base[2] - MOUNT_HEIGHT_M
-            self.robots[0].robot_model.set_base_xpos([cfg.base[0], cfg.base[1], floor])
-            self.robots[0].init_qpos = np.array(cfg.joints)
+            floor = BASE_M[2] - MOUNT_HEIGHT_M
+            self.robots[0].robot_model.set_base_xpos([BASE_M[0], BASE_M[1], floor])
+            self.robots[0].init_qpos = np.array(START_RAD)
             arena = empty_arena()
             arena.set_origin([0.0, 0.0, floor])
             self.model = manipulation_task(
                 mujoco_arena=arena, mujoco_robots=[robot.robot_model for robot in self.robots], mujoco_objects=[]
             )
-            self.set_xml_processor(_processor(add_scene, cfg))
+            self.set_xml_processor(_processor(add_scene))
 
         def initialize_time(self, control_freq: float) -> None:
             super().initialize_time(control_freq)
-            self.model_timestep = cfg.physics_step_s
+            self.model_timestep = PHYSICS_DT_S
             self.control_timestep = control_period_s * (1.0 + 1e-9)  # robosuite truncates the ratio to an integer
 
         def _setup_observables(self) -> OrderedDict[str, Any]:
@@ -129,10 +121,10 @@ def make_environment(
         logging.disable(logging.NOTSET)
 
 
-def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Callable[[str], str]:
+def _processor(add_scene: Callable[[mujoco.MjSpec], None]) -> Callable[[str], str]:
     def process(xml: str) -> str:
         spec = mujoco.MjSpec.from_string(xml)
-        spec.option.timestep = cfg.physics_step_s
+        spec.option.timestep = PHYSICS_DT_S
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         spec.option.impratio = 10
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # a reset would hide a divergence
@@ -143,10 +135,10 @@ def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Cal
                 spec.delete(geom)
         spec.geom("floor").name = FLOOR
         for name in JOINTS:
-            spec.joint(name).armature = cfg.motor_inertia
+            spec.joint(name).armature = MOTOR_INERTIA_KG_M2
         for body in spec.bodies:
             if body.name.startswith(("robot0_", "gripper0_")):
-                body.inertia = body.inertia * cfg.link_inertia_factor
+                body.inertia = body.inertia * LINK_INERTIA_FACTOR
         for name in PAD_GEOMS:
             pad = spec.geom(name)
             pad.priority, pad.friction = FINGER_PRIORITY, [FINGER_FRICTION, TORSION, ROLLING]

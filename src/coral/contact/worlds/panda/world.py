@@ -13,7 +13,7 @@ from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import Simulation, body_state
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
-from coral.contact.worlds.panda.environment import RobotCfg, make_environment
+from coral.contact.worlds.panda.environment import START_RAD, make_environment
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
 from coral.contact.worlds.panda.names import (
     FINGER_JOINTS,
@@ -49,12 +49,9 @@ class PandaWorld:
     name = "panda"
 
     def __init__(self, trial: Trial, period_s: float = 0.02) -> None:
-        self.robot = RobotCfg()
         self.control_period_s = period_s
         self._trial = trial
-        self._env = make_environment(
-            lambda spec: _add_trial(spec, trial), self.robot, period_s, self._before_physics_step
-        )
+        self._env = make_environment(lambda spec: _add_trial(spec, trial), period_s, self._before_physics_step)
         self.model: mujoco.MjModel = self._env.sim.model._model
         self.data: mujoco.MjData = self._env.sim.data._data
         self.simulation = Simulation(self.model, self.data)
@@ -64,7 +61,7 @@ class PandaWorld:
         self._fingers = np.array([model.joint(name).qposadr[0] for name in FINGER_JOINTS])
         self._objects = {name: model.body(name).id for name in trial.objects}
         self._place_robot()
-        self._impedance = Impedance(model, self.data, ImpedanceCfg(), np.array(self.robot.joints))
+        self._impedance = Impedance(model, self.data, ImpedanceCfg(), np.array(START_RAD))
         self._wrist = WristWrench(model, self.data)
         self._forces = HandForces(model, self.data, trial)
         self._watch = FailureMonitor(model)
@@ -108,7 +105,7 @@ class PandaWorld:
 
     def _place_robot(self) -> None:
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[self._arm] = self.robot.joints
+        self.data.qpos[self._arm] = START_RAD
         half = (START_OPENING_M + PAD_OVERLAP_M) / 2
         low, high = self.model.joint(FINGER_JOINTS[0]).range
         half = min(max(half, low), high)
