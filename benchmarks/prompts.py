@@ -32,7 +32,7 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render, render_rejections
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
-from coral.advisor.recorded import RecordedAdvisor, is_recorded
+from coral.advisor.replay import RecordedAdvisor, is_recorded
 from coral.campaign.spec import parse_seeds
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode

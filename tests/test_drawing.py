@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.drawing import draw_arrow, draw_line, draw_text, palette_png, png, text_size
+from coral.drawing import contact_sheet, draw_arrow, draw_line, draw_text, palette_png, png, text_size
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff<b>"
 DRAW = """
@@ -80,3 +80,13 @@ def test_long_text_is_cut_and_other_text_looks_as_before():
     draw_text(one, "3.1 N — α × β", 10, 20)
     draw_text(two, "3.1 N — α × γ", 10, 20)
     assert (one != two).any()
+
+
+def test_pictures_lie_in_rows_below_their_titles():
+    reds = [(f"{k}", np.full((30, 40, 3), (200, k, 0), np.uint8)) for k in range(3)]
+    sheet = contact_sheet(reds, columns=2)
+    found = (sheet[..., 0] == 200) & (sheet[..., 2] == 0)
+    assert [int((found & (sheet[..., 1] == k)).sum()) for k in range(3)] == [1200, 1200, 1200]
+    rows = [np.flatnonzero((found & (sheet[..., 1] == k)).any(axis=1))[0] for k in range(3)]
+    assert rows[0] == rows[1] < rows[2]
+    assert (sheet[: rows[0]] < 100).any()

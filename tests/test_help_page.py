@@ -4,11 +4,10 @@ from dataclasses import dataclass, field, make_dataclass
 import pytest
 
 from coral.cli import COMMANDS, main
-from coral.configurations import CONFIGURATIONS
 from coral.errors import InputError
 from coral.flags import describe
 from coral.help_page import first_sentence, flag_page, help_page
-from coral.surface import described
+from coral.surface import CONFIGURATIONS, described
 
 Many = make_dataclass("Many", [(f"key_{n}", int, n) for n in range(60)])
 

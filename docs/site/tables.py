@@ -16,8 +16,7 @@ from cost_tables import tables as cost_tables
 from reference_texts import VEHICLE_TOPICS
 
 from coral.advisor.registry import ENTRIES
-from coral.campaign.campaign_files import CampaignFiles
-from coral.configurations import CONFIGURATIONS
+from coral.campaign.store import CampaignFiles
 from coral.contact.episode.recorder import columns_told
 from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.franka import ros_topics as arm_topics
@@ -43,6 +42,7 @@ from coral.reef.world.geometry import Frame
 from coral.reef.world.instruction import Clause
 from coral.reef.world.world_model import ReefWorld
 from coral.run_files import SurveyFiles, TaskFiles
+from coral.surface import CONFIGURATIONS
 
 MARK = re.compile(r"^`\.venv/bin/python docs/site/tables\.py ([\w-]+)` prints this table\.$", re.MULTILINE)
 

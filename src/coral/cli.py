@@ -46,14 +46,14 @@ COMMANDS = {
     "memory import": ("coral.commands.memory:MemoryImport", "import an exported file"),
     "export": ("coral.commands.export:Export", "write a reef run as a ROS 2 bag, an MCAP file or pictures"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
-    "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
+    "report": ("coral.commands.replay:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
     "gui": ("coral.commands.gui:Gui", "start, watch, answer and compare runs in a browser"),
-    "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
-    "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "test what a model's endpoint can do"),
+    "advisor show": ("coral.commands.advisor:AdvisorShow", "print a prompt and write its pictures"),
+    "advisor probe": ("coral.commands.advisor:AdvisorProbe", "test what a model's endpoint can do"),
     "config": ("coral.commands.config:ListConfig", "list or explain the configuration of a survey or an attempt"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
-    "version": ("coral.commands.version:Version", "print the version"),
+    "version": ("coral.commands.doctor:Version", "print the version"),
 }
 
 

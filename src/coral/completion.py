@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from coral.configurations import CONFIGURATIONS
 from coral.errors import InputError
 from coral.flags import MANY, Described
-from coral.surface import described
+from coral.surface import CONFIGURATIONS, described
 
 SCRIPTS = {
     "bash": """\

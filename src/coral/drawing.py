@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from base64 import b64encode
+from collections.abc import Sequence
 from functools import lru_cache
 
 import cv2
@@ -17,6 +18,9 @@ Image = NDArray[np.uint8]
 
 LONGEST = 200
 """Maximum characters of one text. OpenCV ends the process over half a letter, so text is made printable too."""
+
+TITLE_PX, GAP_PX = 26, 6
+"""Height of a title on a contact sheet, and the room between its pictures."""
 
 _SUBPIXEL = 4
 """Fractional bits of the coordinates for OpenCV's anti-aliased drawing."""
@@ -159,3 +163,16 @@ def draw_arrow(image: Image, start: NDArray[np.float64], end: NDArray[np.float64
     draw_line(image, np.array([start, neck]), color, width, edge=(255, 255, 255))
     cv2.polylines(image, [fixed_point(tip)], True, (255, 255, 255), 3, cv2.LINE_AA, _SUBPIXEL)
     cv2.fillPoly(image, [fixed_point(tip)], color, cv2.LINE_AA, _SUBPIXEL)
+
+
+def contact_sheet(pictures: Sequence[tuple[str, Image]], columns: int) -> Image:
+    """Lay pictures of one size, Shape=(h, w, 3) RGB each, out in rows, below their titles. Shape=(H, W, 3)."""
+    height, width = pictures[0][1].shape[:2]
+    rows = -(-len(pictures) // columns)
+    across, down = width + GAP_PX, height + TITLE_PX + GAP_PX
+    sheet = np.full((rows * down + GAP_PX, columns * across + GAP_PX, 3), 250, np.uint8)
+    for k, (title, picture) in enumerate(pictures):
+        left, top = k % columns * across + GAP_PX, k // columns * down + GAP_PX
+        draw_text(sheet, title, left + 2, top + TITLE_PX // 2, size=15, color=(30, 34, 42), weight=600)
+        sheet[top + TITLE_PX : top + TITLE_PX + height, left : left + width] = picture
+    return sheet

@@ -206,16 +206,8 @@ def read_taken(content: bytes) -> tuple[str, str, str]:
 
     The beginning of the file is enough. Tags that it has not are "".
     """
-    from PIL import Image
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "PNG")) as found:
-                tags = found.getexif().get_ifd(0x8769)
-        date, part, zone = (str(tags.get(tag, "")).strip(" \0") for tag in (0x9003, 0x9291, 0x9011))
-    except Exception:  # its plugins raise all kinds
-        return "", "", ""
+    tags = _exif(content, 0x8769)
+    date, part, zone = (str(tags.get(tag, "")).strip(" \0") for tag in (0x9003, 0x9291, 0x9011))
     return date, part, zone
 
 
@@ -224,16 +216,22 @@ def read_orientation(content: bytes) -> int:
 
     The beginning of the file is enough.
     """
+    turned = _exif(content).get(0x0112, 1)
+    return int(turned) if turned in range(1, 9) else 1
+
+
+def _exif(content: bytes, directory: int | None = None) -> dict[int, Any]:
+    """Return the Exif tags of a picture, or those of a directory in it; none where they are damaged."""
     from PIL import Image
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "PNG")) as found:
-                turned = found.getexif().get(0x0112, 1)
-        return int(turned) if turned in range(1, 9) else 1
+                tags = found.getexif()
+                return dict(tags if directory is None else tags.get_ifd(directory))
     except Exception:  # its plugins raise all kinds
-        return 1
+        return {}
 
 
 def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | None:
@@ -272,7 +270,7 @@ def read_picture_file(path: Path, mode: int | None = None, *, channels: int | No
     return found if fits else None
 
 
-def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> dict[str, NDArray[Any]]:
+def read_arrays(source: Path | bytes) -> dict[str, NDArray[Any]]:
     """Read the arrays of an .npz file, as large as each says before it is unpacked.
 
     Raises:
@@ -280,12 +278,12 @@ def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> 
         OSError: It cannot be read.
     """
     try:
-        content = source if isinstance(source, bytes) else regular_bytes(source, most_bytes)
-        if len(content) > most_bytes:
-            raise ValueError(f"more than {most_bytes / 1e6:.0f} MB")
+        content = source if isinstance(source, bytes) else regular_bytes(source, limits.ARRAYS_BYTES)
+        if len(content) > limits.ARRAYS_BYTES:
+            raise ValueError(f"more than {limits.ARRAYS_BYTES / 1e6:.0f} MB")
         archive = zipfile.ZipFile(io.BytesIO(content))
-        if sum(member.file_size for member in archive.infolist()) > most_bytes:
-            raise ValueError(f"more than {most_bytes / 1e6:.0f} MB when unpacked")
+        if sum(member.file_size for member in archive.infolist()) > limits.ARRAYS_BYTES:
+            raise ValueError(f"more than {limits.ARRAYS_BYTES / 1e6:.0f} MB when unpacked")
         with archive:
             return {
                 name.removesuffix(".npy"): _array(archive.read(name), name)

@@ -6,9 +6,9 @@ import re
 import shutil
 import textwrap
 
-from coral.configurations import configuration_at
 from coral.errors import InputError, nearest
 from coral.flags import MANY, Described, Flag
+from coral.surface import configuration_at
 
 WIDTH = 120
 FITS = 45

@@ -63,7 +63,6 @@ OURS: dict[str, dict[str, str]] = {
     },
     "coral.advisors": {
         "desk": "coral.desk.advisor:make_desk",
-        "fallible": "coral.erring.fallible:make_fallible",
         "sloppy": "coral.erring.sloppy:make_sloppy",
     },
     "ros2": {

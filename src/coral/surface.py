@@ -17,6 +17,15 @@ from coral.disk_cache import code_stamp, recall
 from coral.errors import MALFORMED
 from coral.flags import Described, Flag, FlagGroup, describe
 
+CONFIGURATIONS = {
+    "reef": ("coral.reef.mission.mission_cfg:MissionCfg", "--cfg", "a survey"),
+    "contact": ("coral.contact.episode.cfg:EpisodeCfg", "--cfg", "an attempt at a contact task"),
+    "model": ("coral.advisor.model_cfg:ModelCfg", "--model", "the calls of a real model"),
+    "safety": ("coral.reef.sea.safety:SafetyCfg", "--safety", "the limits of a vehicle at sea"),
+    "products": ("coral.reef.products.survey_products:ProductsCfg", "--cfg", "maps and tables for an ecologist"),
+}
+"""Place, flag and subject of each."""
+
 
 def load(place: str) -> Any:
     """Import what `module:name` names."""
@@ -60,3 +69,8 @@ def _read(content: Any) -> Described:
         flags=tuple(map(flag, content["flags"])),
         groups=tuple(FlagGroup(**group) for group in content["groups"]),
     )
+
+
+def configuration_at(place: str) -> str | None:
+    """Return the name of the configuration whose class is at `module:class`."""
+    return next((name for name, (known, _, _) in CONFIGURATIONS.items() if known == place), None)

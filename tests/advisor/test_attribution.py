@@ -5,7 +5,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.question import Usage
 from coral.advisor.replay import ReplayAdvisor
 from coral.advisor.rules import RuleAdvisor
-from coral.erring.fallible import FallibleAdvisor
+from coral.erring.sloppy import Rates, SloppyAdvisor
 
 
 def attempt(verdict, asked=0.0, answered=2.5, **usage):
@@ -106,8 +106,8 @@ def test_a_recording_keeps_its_name_inside_other_advisors(tmp_path):
     (tmp_path / "attempts.jsonl").write_text("")
     recording = ReplayAdvisor(tmp_path)
     assert source_of(recording) == "recording"
-    assert source_of(FallibleAdvisor(recording, 0.0, None)) == "recording"
-    assert source_of(FallibleAdvisor(RuleAdvisor({}), 0.0, None)) == "advisor"
+    assert source_of(SloppyAdvisor(recording, Rates(), None, ())) == "recording"
+    assert source_of(SloppyAdvisor(RuleAdvisor({}), Rates(), None, ())) == "advisor"
     assert source_of(object()) == "advisor"
 
 

@@ -2,9 +2,8 @@ import asyncio
 
 import pytest
 
-from coral.advisor.connect import KEYS, connect, require_key
+from coral.advisor.connect import KEYS, connect
 from coral.advisor.model_cfg import ModelCfg
-from coral.errors import InputError
 
 SECRET = "k" * 20
 
@@ -28,12 +27,3 @@ def test_the_client_library_retries_nothing_by_itself(monkeypatch, provider):
     for names in KEYS.values():
         monkeypatch.setenv(names[0], SECRET)
     assert asyncio.run(connected(provider, "http://127.0.0.1:1/v1")).client.max_retries == 0
-
-
-@pytest.mark.parametrize(("provider", "names"), KEYS.items())
-def test_any_one_of_a_providers_variables_holds_its_key(monkeypatch, provider, names):
-    with pytest.raises(InputError, match=f"--advisor: found no key for {provider}, .* variable {' or '.join(names)}"):
-        require_key(provider, "--advisor")
-    monkeypatch.setenv(names[0], "")
-    monkeypatch.setenv(names[-1], SECRET)
-    require_key(provider, "--advisor")

@@ -26,7 +26,7 @@ def fly(spec, folder):
 def recorded(tmp_path_factory):
     """The folder of a mission with failures, and its result."""
     folder = tmp_path_factory.mktemp("recorded") / "first"
-    return folder, fly("fallible:0.5:heuristic", folder)
+    return folder, fly("sloppy:malformed=0.5:heuristic", folder)
 
 
 def test_a_recorded_mission_with_failures_replays_to_the_same_metrics(recorded, tmp_path):

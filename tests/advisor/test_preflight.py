@@ -8,9 +8,9 @@ import pytest
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
-from coral.advisor.preflight import model_of, preflight
+from coral.advisor.preflight import model_of, preflight, probe
 from coral.cli import main
-from coral.erring.fallible import FallibleAdvisor
+from coral.erring.sloppy import Rates, SloppyAdvisor
 from coral.errors import InputError
 
 CFG = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0, backoff_s=0.01)
@@ -56,7 +56,7 @@ def test_a_model_that_answers_passes_with_one_request(stub, pictures):
 
 def test_the_model_inside_an_advisor_that_errs_is_asked(stub):
     inside = advisor(stub(stub.error(404)).url)
-    spoilt = FallibleAdvisor(FallibleAdvisor(inside, 0.0, None), 0.0, None)
+    spoilt = SloppyAdvisor(SloppyAdvisor(inside, Rates(), None, ()), Rates(), None, ())
     assert model_of(spoilt) is inside
     with pytest.raises(InputError, match="no-such-model"):
         preflight(spoilt, pictures=False)
@@ -149,3 +149,41 @@ def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys
     assert row["variant"] == "CORAL (full) §"
     assert (row["by advisor"], row["by fallback"]) == ("0 (0 %)", f"{row['decisions']} (100 %)")
     assert "left undecided by the advisor" in (tmp_path / "out" / "tables.md").read_text()
+
+
+def model(stub, *, native=True, tool=True, eyes=True):
+    """A server that obeys, as far as it can."""
+    see = seeing(stub)
+
+    def reply(body):
+        if body.get("response_format", {}).get("type") == "json_schema" and not native:
+            return stub.error(500, "json_schema is not supported")
+        if "tools" in body:
+            return stub.completion(None, tool='{"number": 7, "color": "none"}') if tool else stub.completion("A tool?")
+        if "image_url" in json.dumps(body) and not eyes:
+            return stub.error(400, "this model takes no images")
+        return see(body)
+
+    return reply
+
+
+def test_what_an_able_endpoint_can_do_is_found(stub):
+    report = probe(f"local:{stub(model(stub)).url}#m", CFG)
+    assert {mode: found["says"] for mode, found in report["modes"].items()} == dict.fromkeys(
+        ("native", "tool", "prompted", "plain"), "ok"
+    )
+    assert (report["pictures"]["works"], report["recommended"]) == (True, "native")
+
+
+def test_gaps_of_an_endpoint_are_named(stub):
+    report = probe(f"local:{stub(model(stub, native=False, tool=False, eyes=False)).url}#m", CFG)
+    assert "http-500" in report["modes"]["native"]["says"]
+    assert "not-json" in report["modes"]["tool"]["says"]
+    assert report["recommended"] == "prompted"
+    assert "takes no images" in report["pictures"]["says"]
+
+
+def test_an_endpoint_that_refuses_the_key_is_probed_once(stub):
+    server = stub(stub.error(401))
+    report = probe(f"local:{server.url}#m", CFG)
+    assert (len(server.requests), report["recommended"], report["pictures"]) == (1, None, None)

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from coral.advisor.parse import parse_answer
-from coral.advisor.recorded import is_recorded
 from coral.advisor.recorded_attempts import SHIPPED, read_attempts, shipped_recordings
-from coral.advisor.replay import ReplayAdvisor
+from coral.advisor.replay import ReplayAdvisor, is_recorded
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode

@@ -46,14 +46,9 @@ def make(spec, **more):
         ("anthropic:claude-x", "anthropic:claude-x", "measured"),
         ("google:gemini-x", "google:gemini-x", "measured"),
         ("local:http://127.0.0.1:8080/v1#m:q4", "local:http://127.0.0.1:8080/v1#m:q4", "measured"),
-        ("fallible:0.3:heuristic", "fallible:0.3:heuristic", "fixed:0"),
-        ("fallible:0.1:local:http://h/v1#m", "fallible:0.1:local:http://h/v1#m", "measured"),
         ("sloppy:0.3:heuristic", "sloppy:0.3:heuristic", "fixed:0"),
-        (
-            "sloppy:low=0.25+late=.5:fallible:0.2:heuristic",
-            "sloppy:low=0.25+late=0.5:fallible:0.2:heuristic",
-            "fixed:0",
-        ),
+        ("sloppy:0.1:local:http://h/v1#m", "sloppy:0.1:local:http://h/v1#m", "measured"),
+        ("sloppy:low=0.25+late=.5:sloppy:0.2:heuristic", "sloppy:low=0.25+late=0.5:sloppy:0.2:heuristic", "fixed:0"),
     ],
 )
 def test_every_form_is_understood(monkeypatch, spec, name, latency):
@@ -74,10 +69,12 @@ def test_every_form_is_understood(monkeypatch, spec, name, latency):
         ("openai:gpt-x", "OPENAI_API_KEY"),
         ("google:x", "GOOGLE_API_KEY or GEMINI_API_KEY"),
         ("local:8080#m", "local:URL#MODEL"),
-        ("fallible:2:heuristic", "probability from 0 to 1"),
+        ("sloppy:0.3:nobody", "one of heuristic"),
         ("replay:/no/such/file", "No such file"),
         ("sloppy", "all of sloppy:ERRORS:INNER"),
         ("sloppy:1.3:heuristic", "probabilities from 0 to 1"),
+        ("sloppy:nan:heuristic", "P: found 'nan'"),
+        ("sloppy:malformed=0.6+silence=0.6:heuristic", "sum to 1.2 for all questions"),
         ("sloppy:lw=0.3:heuristic", "did you mean 'low'"),
         ("sloppy:low=0.1+low=0.2:heuristic", "'low' twice"),
         ("sloppy:low=0.6+late=0.6:heuristic", "sum to 1.2 for pick questions"),
@@ -110,7 +107,7 @@ def test_each_entry_names_a_maker_that_exists_and_stands_in_help(entry):
     [
         ("heuristic", True, False),
         ("sloppy:low=0.1+late=0.2:heuristic", True, False),
-        ("fallible:0.1:sloppy:0.2:desk", False, True),
+        ("sloppy:silence=0.1:sloppy:0.2:desk", False, True),
         (" desk ", False, True),
         ("replay:desk", False, False),
         ("local:http://h/v1#desk", False, False),
@@ -164,7 +161,7 @@ def test_an_advisor_of_another_package_is_made_by_its_name(oracle, spec, name):
 
 
 def test_it_can_be_wrapped_and_is_never_taken_for_our_rules(oracle):
-    assert make("fallible:0.5:oracle:x").inner.name == "oracle:x"
+    assert make("sloppy:0.5:oracle:x").inner.name == "oracle:x"
     assert not rules_alone("oracle")
 
 

@@ -1,15 +1,15 @@
 import pytest
 
-from coral.advisor.setting import read_probability
-from coral.errors import InputError
+from coral import plugins
+from coral.advisor.setting import known_mistakes
 
 
-@pytest.mark.parametrize(("text", "rate"), [("0", 0.0), ("0.25", 0.25), ("1", 1.0)])
-def test_a_probability_is_read(text, rate):
-    assert read_probability(text, "P", "--advisor", "P from 0 to 1") == rate
+@pytest.mark.wing("coral.erring")
+@pytest.mark.parametrize(("system", "name"), [("reef", "mirrored"), ("contact", "goal-off")])
+def test_each_system_has_its_own_plausible_errors(system, name):
+    assert name in {one.name for one in known_mistakes(system)}
 
 
-@pytest.mark.parametrize("text", ["-0.1", "1.1", "nan", "inf", "often", ""])
-def test_anything_else_is_refused_by_its_name(text):
-    with pytest.raises(InputError, match=r"P: found '.*', expected P from 0 to 1"):
-        read_probability(text, "P", "--advisor", "P from 0 to 1")
+def test_without_their_wing_there_are_none(monkeypatch):
+    monkeypatch.setitem(plugins.OURS, "mistakes", {"reef": "coral.no_such_wing:ERRORS"})
+    assert known_mistakes("reef") == ()

@@ -7,45 +7,46 @@ from coral.campaign.columns import (
     Group,
     column_measure,
     count,
-    difference_text,
     marked,
-    mean_interval_text,
-    mean_text,
     number,
     tabulate,
 )
-from coral.campaign.stats import Estimate
 
 
 def row(world="l1", seed=0, **more):
     return {"world": world, "seed": seed, "status": "done", "advisor": "a", "overrides": "{}", **more}
 
 
+X = column_measure("x", "x", "x")
+
+
 def test_a_mean_says_over_how_many_missions_it_is():
-    measure = column_measure("x", "x", "x")
-    assert mean_text([row(x=1), row(seed=1, x=2)], measure) == "1.5"
-    assert mean_text([row(x=1), row(seed=1, x=None)], measure) == "1.0 (1/2)"
-    assert mean_text([row(x=None)], measure) == "—"
-    assert mean_text([], measure) == "not run"
+    def mean(*rows):
+        return X.mean().text(Group("", rows))
+
+    assert mean(row(x=1), row(seed=1, x=2)) == "1.5"
+    assert mean(row(x=1), row(seed=1, x=None)) == "1.0 (1/2)"
+    assert mean(row(x=None)) == "—"
+    assert mean() == "not run"
 
 
 def test_a_mean_has_its_interval_where_there_is_one():
-    measure = column_measure("x", "x", "x")
-    assert mean_interval_text([row(x=1), row("l2", x=3)], measure) == "2.0 [1.0, 3.0]"
-    assert mean_interval_text([row(x=1)], measure) == "1.0"
+    assert X.interval().text(Group("", [row(x=1), row("l2", x=3)])) == "2.0 [1.0, 3.0]"
+    assert X.interval().text(Group("", [row(x=1)])) == "1.0"
 
 
 @pytest.mark.parametrize(
-    ("estimate", "text"),
+    ("ours", "text"),
     [
-        (Estimate(-3.14, -5.0, -1.26, 9), "−3.1 [−5.0, −1.3]"),
-        (Estimate(1.0, -0.01, 2.0, 9), "≈ +1.0 [0.0, +2.0]"),
-        (Estimate(2.0, float("nan"), float("nan"), 1), "+2.0"),
-        (Estimate(0.0, 0.0, 0.0, 0), "—"),
+        ({"l1": 11, "l2": 102}, "+1.5 [+1.0, +2.0]"),
+        ({"l1": 9, "l2": 102}, "≈ +0.5 [−1.0, +2.0]"),
+        ({"l1": 12, "l3": 7}, "+2.0"),
+        ({"l3": 1}, "—"),
     ],
 )
-def test_differences_in_words(estimate, text):
-    assert difference_text(estimate, 1) == text
+def test_differences_are_taken_within_pairs_only(ours, text):
+    reference = [row("l1", x=10), row("l2", x=100), row("l4", x=0)]
+    assert X.difference().text(Group("", [row(world, x=x) for world, x in ours.items()], reference)) == text
 
 
 def test_zero_has_no_sign():

@@ -1,7 +1,6 @@
-import pytest
+import pyarrow.parquet as pq
 
-from coral.campaign.dataset import read_parquet, to_rows, write_parquet
-from coral.errors import InputError
+from coral.campaign.dataset import write_dataset
 
 
 def record(seed, status="done", **more):
@@ -16,8 +15,8 @@ def test_every_record_is_a_row_whatever_it_lacks(tmp_path):
         record(2, result={"score": 1, "nested": {"b": 1, "a": 2}, "seen": True}),
         record(3, status="failed", message="ValueError: no", detail="Traceback"),
     ]
-    write_parquet(to_rows(records, {"commit": "abc"}), tmp_path / "r.parquet")
-    rows = read_parquet(tmp_path / "r.parquet")
+    rows = write_dataset(records, {"commit": "abc"}, tmp_path / "r.parquet")
+    assert pq.read_table(tmp_path / "r.parquet").to_pylist() == rows
     assert [row["seed"] for row in rows] == [0, 1, 2, 3]
     assert [row["score"] for row in rows] == [1.0, 2.5, 1.0, None]
     assert [row["times"] for row in rows] == [[1.0, 2.5], [], None, None]
@@ -30,12 +29,5 @@ def test_every_record_is_a_row_whatever_it_lacks(tmp_path):
 
 
 def test_a_column_of_mixed_kinds_becomes_text(tmp_path):
-    write_parquet(to_rows([record(0, result={"x": 1}), record(1, result={"x": "one"})]), tmp_path / "r.parquet")
-    assert [row["x"] for row in read_parquet(tmp_path / "r.parquet")] == ["1", "one"]
-
-
-def test_a_file_that_is_no_data_set_is_refused(tmp_path):
-    (tmp_path / "r.parquet").write_text("no")
-    for name in ("r.parquet", "missing.parquet"):
-        with pytest.raises(InputError, match=name):
-            read_parquet(tmp_path / name)
+    rows = write_dataset([record(0, result={"x": 1}), record(1, result={"x": "one"})], {}, tmp_path / "r.parquet")
+    assert [row["x"] for row in rows] == ["1", "one"]

@@ -113,7 +113,7 @@ def test_topologies_and_worlds():
 
 
 def test_a_variant_without_an_advisor_stands_beside_every_advisor():
-    rows = [*ROWS, *(dict(row, advisor="fallible:0.3:heuristic") for row in ROWS if row["variant"] == "full")]
+    rows = [*ROWS, *(dict(row, advisor="sloppy:malformed=0.3:heuristic") for row in ROWS if row["variant"] == "full")]
     everything = [table for table in reef_tables(rows, ABOUT, "x") if table.name == "All variants"]
     assert len(everything) == 2
     assert all(any(row[0] == "lawnmower survey" for row in table.rows) for table in everything)

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.errors import InputError
 
-SPEC = Spec(system="reef", variant="full", world="my reefs/l 1.yaml", seed=3, advisor="fallible:0.3:heuristic")
+SPEC = Spec(system="reef", variant="full", world="my reefs/l 1.yaml", seed=3, advisor="sloppy:0.3:heuristic")
 
 
 def test_key_is_readable_unique_and_the_same_in_every_version():
-    assert SPEC.key == "l-1.yaml_full_fallible-0.3-heuristic_s3_36b4938efb"
+    assert SPEC.key == "l-1.yaml_full_sloppy-0.3-heuristic_s3_01dbb15177"
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 import json
 
-from coral.campaign.columns import mean
+from coral.campaign.columns import Group
 from coral.campaign.reef_tables import RESTRICTED, reef_tables
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
@@ -99,7 +99,7 @@ def test_a_mission_that_never_gets_there_counts_with_the_horizon():
     assert [RESTRICTED.of(row) for row in (never, late, soon)] == [600.0, 600.0, 90.0]
     assert RESTRICTED.of({}) is None
     own = [row for row in ROWS if row["variant"] == "no-verification" and row["overrides"] != "{}"]
-    assert mean(own[:3], RESTRICTED).mean == 600.0
+    assert RESTRICTED.mean().text(Group("", own[:3])) == "600"
 
 
 def test_effects_put_all_conditions_side_by_side():

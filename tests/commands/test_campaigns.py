@@ -14,11 +14,12 @@ from coral.commands.campaigns import (
     CampaignFlags,
     collect_only,
     describe_campaign,
-    flag_words,
     read_results,
     run_specs,
+    typed_command,
     write_tables,
 )
+from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError, RunError
 
 TABLE = Table("Table I", "Scores.", ("variant", "score"), (("a", "7"),))
@@ -102,8 +103,13 @@ def test_tables_of_recorded_episodes_alone_need_a_campaign(store, tmp_path):
         collect_only(tmp_path / "nothing", lambda *_: {})
 
 
-def test_flags_without_a_value_are_not_repeated():
-    assert flag_words(CampaignFlags(address=""), "jobs", "address") == ["--jobs", "1"]
+def test_the_command_is_told_as_it_was_typed_without_what_changes_nothing():
+    words = ("--seeds", "0-4", "--jobs=8", "--sweep", "current=0,1", "--sweep", "visibility=3", "--quiet", "--out", "x")
+    words += ("--cfg.no-stop-when-covered", "--cfg.time-limit-s", "60")
+    assert typed_command("reef bench", ReefBench(typed=words)) == (
+        "coral reef bench --seeds 0-4 --sweep current=0,1 --sweep visibility=3 --cfg.time-limit-s 60 "
+        "--cfg.no-stop-when-covered"
+    )
 
 
 @pytest.mark.parametrize("jobs", [0, -3])

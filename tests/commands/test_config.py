@@ -1,8 +1,10 @@
 import json
 import re
+from pathlib import Path
 
 import pytest
 
+import coral
 from coral.cli import main
 
 
@@ -45,17 +47,6 @@ def test_who_refuses_a_key_is_told(told):
     assert "  not read, and refused, by: coral reef sail" in told("reef", "lane_m").splitlines()
 
 
-def test_the_values_of_a_file_are_shown_beside_the_default(told, tmp_path):
-    file = tmp_path / "a.yaml"
-    file.write_text("time_limit_s: 30\n")
-    assert told("reef", "time_limit_s", "--config", str(file)).splitlines()[:1] == ["time_limit_s = 30 s *"]
-    assert "default: 600" in told("reef", "time_limit_s", "--config", str(file))
-
-
-def test_the_values_of_a_variant_are_shown(told):
-    assert "decider = nearest *" in told("reef", "decider", "--variant", "rule-based")
-
-
 @pytest.mark.parametrize(
     ("key", "unit"),
     [
@@ -74,7 +65,7 @@ def test_json_has_every_part(told):
     (row,) = json.loads(told("model", "max_retries", "--json"))["keys"]
     assert row["key"] == "max_retries"
     assert row["flag"] == "--model.max-retries"
-    assert set(row) == {"key", "default", "value", "unit", "accepted", "text", "refused_by", "flag"}
+    assert set(row) == {"key", "default", "unit", "accepted", "text", "refused_by", "flag"}
 
 
 @pytest.mark.parametrize(
@@ -82,7 +73,6 @@ def test_json_has_every_part(told):
     [
         (["reaf"], "found 'reaf', expected one of reef, contact, .*'reef'"),
         (["reef", "stuck_time"], "did you mean 'pilot.trigger.stuck_time_s'"),
-        (["contact", "--variant", "full"], "--variant: found contact"),
     ],
 )
 def test_a_mistake_is_one_line(capsys, words, said):
@@ -90,3 +80,58 @@ def test_a_mistake_is_one_line(capsys, words, said):
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert re.search(said, err)
+
+
+@pytest.fixture
+def departures(capsys):
+    """Returns what `coral config OF [KEY] --departures` prints."""
+
+    def run(*words):
+        assert main(["config", *words, "--departures"]) == 0
+        return capsys.readouterr().out
+
+    return run
+
+
+def test_departures_from_the_paper_are_listed_from_the_code(departures):
+    listed = departures("reef")
+    keys = [line.split(" = ")[0] for line in listed.splitlines() if " = " in line and not line.startswith(" ")]
+    assert {"planner.algorithm", "pilot.trigger.cooldown_s", "belief.inspect.enabled", "planner.route.ahead"} <= set(
+        keys
+    )
+    rows = [line for line in listed.splitlines() if not line.startswith(" ")]
+    assert " ".join(listed.split()).count("Departs from the paper:") == len(rows) > len(keys)
+    assert max(map(len, listed.splitlines())) <= 120
+    assert departures("reef", "pilot.trigger").startswith("pilot.trigger.cooldown_s = 5 s: T_cooldown. Departs")
+
+
+@pytest.mark.parametrize(
+    ("of", "words"),
+    [
+        (
+            "contact",
+            ["controller.mppi: ", "48 fine samples", "controller.press_weight = 1: ", "one J for the whole task"],
+        ),
+        ("contact", ["contact/memory/memory.py: ", "meaning of task and scene", "T2, `pick-box`", "rules name it"]),
+        ("reef", ["five points", "a refusal names", "`explore_rest`", "when the answer is needed", "dots with `?`"]),
+        (
+            "reef",
+            ["a tree with branches", "localization.drift_xy = 0: ", "`planner.finished`", "pilot.fallback = rules: "],
+        ),
+    ],
+)
+def test_departures_of_groups_and_of_code_without_a_key_are_in_the_same_list(departures, of, words):
+    listed = " ".join(departures(of).split())
+    assert [word for word in words if word not in listed] == []
+
+
+def test_every_sentence_about_a_departure_is_listed(departures):
+    for of in ("reef", "contact"):
+        files = (Path(coral.__file__).parent / of).rglob("*.py")
+        said = sum(" ".join(file.read_text().split()).count("Departs from the paper:") for file in files)
+        assert " ".join(departures(of).split()).count("Departs from the paper:") == said
+
+
+def test_departures_of_one_group_are_its_keys_and_groups_alone(departures):
+    assert departures("contact", "controller.mppi").startswith("controller.mppi: The sampler")
+    assert "memory.py" not in departures("contact", "controller")

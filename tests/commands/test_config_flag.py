@@ -1,13 +1,11 @@
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import pytest
 
-from coral.commands.config_flag import config_words, configured, given_keys, set_keys
+from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.commands.contact_bench import ContactBench
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
-from coral.flag_parser import build, scan
-from coral.flags import describe
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,11 +14,6 @@ class Cfg:
     count: int = 2
     noisy_picture: bool = True
     sigma: tuple[float, float] = (0.1, 0.2)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Command:
-    cfg: Cfg = field(default_factory=Cfg)
 
 
 @pytest.fixture
@@ -43,18 +36,6 @@ def test_without_the_flag_there_is_none():
 def test_a_missing_file_is_one_clear_line(tmp_path):
     with pytest.raises(InputError, match="a readable YAML file"):
         configured(["--config", str(tmp_path / "none.yaml")], Cfg())
-
-
-def test_the_words_name_the_file_and_what_differs_from_it(file):
-    assert config_words(Cfg(speed=3.0, count=5), Cfg(), file) == ["--config", str(file), "--cfg.count", "5"]
-    assert config_words(Cfg(count=5), Cfg(), None) == ["--cfg.count", "5"]
-
-
-def test_the_words_are_such_that_the_command_line_takes_them():
-    words = config_words(Cfg(noisy_picture=False, sigma=(1.0, 2.0)), Cfg(), None)
-    assert words == ["--cfg.no-noisy-picture", "--cfg.sigma", "1.0", "2.0"]
-    about = describe(Command)
-    assert build(Command, scan(words, about, "x"), about, "x").cfg == Cfg(noisy_picture=False, sigma=(1.0, 2.0))
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,9 @@
 import json
 
+import pyarrow.parquet as pq
 import pytest
 from contact_bench import changed
 
-from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench, named_tasks, read_memory
 from coral.contact.episode.cfg import EpisodeCfg
@@ -61,7 +61,7 @@ def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, ca
     assert main([word if word != "0-1" else "0-2" for word in words]) == 0
     result = answer(capsys)
     assert (result["episodes"], result["done"], result["ran"], result["found"]) == (3, 3, 1, 2)
-    rows = read_parquet(out / "results.parquet")
+    rows = pq.read_table(out / "results.parquet").to_pylist()
     assert [(row["seed"], row["evaluation_world"], row["success"]) for row in rows] == [
         (0, "hand", False),
         (1, "hand", False),

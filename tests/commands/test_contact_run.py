@@ -125,7 +125,7 @@ SKIP = ["--no-preflight", "--model.max-retries", "0", "--model.format-repairs", 
 
 
 @pytest.mark.wing("coral.erring")
-@pytest.mark.parametrize("advisor", ["recorded", "fallible:0.5:recorded"])
+@pytest.mark.parametrize("advisor", ["recorded", "sloppy:malformed=0.5:recorded"])
 def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys, advisor):
     monkeypatch.chdir(tmp_path)
     Path("new.yaml").write_text(json.dumps(changed("name", "new-task")), encoding="utf-8")

@@ -2,6 +2,7 @@ import json
 
 import pytest
 
+from coral import __version__
 from coral.commands import doctor as module
 from coral.commands.doctor import EXTRAS, KEYS, Doctor
 from coral.contact.cost_program.worker import CostWorker
@@ -46,3 +47,8 @@ def test_doctor_tells_whether_system_calls_are_filtered(monkeypatch):
     assert "refuses costs" in doctor.describe(doctor())
     monkeypatch.setattr(CostWorker, "check", lambda _: True)
     assert "are filtered" in doctor.describe(doctor())
+
+
+def test_the_version_in_words_and_in_json(told):
+    assert told("version") == (0, f"coral {__version__}\n", "")
+    assert told("version", "--json") == (0, {"version": __version__}, "")

@@ -4,8 +4,8 @@ import json
 from types import SimpleNamespace
 
 from coral.advisor.question import AdvisorUnavailable
-from coral.advisor.recorded import CONTACT
 from coral.advisor.recorded_attempts import find_recording, read_attempts
+from coral.advisor.replay import CONTACT
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer

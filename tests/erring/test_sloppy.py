@@ -7,7 +7,7 @@ from pydantic import BaseModel
 
 from coral.advisor.attribution import source_of
 from coral.advisor.latency import default_latency
-from coral.advisor.question import Question, Reply
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Reply
 from coral.advisor.setting import Mistake
 from coral.erring.sloppy import Rates, SloppyAdvisor, parse_rates
 
@@ -135,3 +135,47 @@ def test_each_part_of_an_answer_errs_on_its_own():
     expected = {(0, 0): 0.36, (1, 0): 0.24, (0, 1): 0.24, (1, 1): 0.16}
     assert {key: count / 2000 for key, count in counts.items()} == pytest.approx(expected, abs=0.03)
     assert parse_rates("left=0.7+right=0.8", both) == Rates(each={"left": 0.7, "right": 0.8})
+
+
+def fate(advisor, question):
+    """What came of asking once: "good", or the code of the failure."""
+    try:
+        asyncio.run(advisor.answer(question, ()))
+    except BadAnswer as bad:
+        return bad.rejection.code
+    except AdvisorUnavailable as gone:
+        return gone.code
+    return "good"
+
+
+PICK = Question(kind="any", prompt="", answer_type=Pick, facts={"n": 1})
+
+
+@pytest.mark.parametrize(
+    ("error", "codes"),
+    [("malformed", {"not-json", "cut-off"}), ("refusal", {"refusal"}), ("silence", {"silence"})],
+)
+def test_a_reply_that_is_no_answer_looks_like_a_real_one(error, codes):
+    advisor = SloppyAdvisor(Right(), Rates(each={error: 1.0}), np.random.default_rng(0), ())
+    assert {fate(advisor, PICK) for _ in range(30)} <= codes
+
+
+def test_no_answer_is_given_at_its_rate_whatever_is_asked():
+    rates = parse_rates("up=0.3+refusal=0.2+silence=0.1", MISTAKES)
+    advisor = SloppyAdvisor(Right(), rates, np.random.default_rng(5), MISTAKES)
+    counts = Counter(fate(advisor, PICK) for _ in range(3000))
+    shares = {code: count / 3000 for code, count in counts.items()}
+    assert shares == pytest.approx({"good": 0.7, "refusal": 0.2, "silence": 0.1}, abs=0.03)
+
+
+def test_a_question_cancelled_early_does_not_shift_the_next_error():
+    def fates(cancelled):
+        advisor = SloppyAdvisor(Right(), Rates(each={"refusal": 0.5}), np.random.default_rng(2), ())
+        for number in range(20):
+            if number in cancelled:
+                advisor.answer(PICK, ()).close()
+            else:
+                yield number, fate(advisor, PICK)
+
+    whole, partly = dict(fates(())), dict(fates((0, 5, 6)))
+    assert partly == {number: whole[number] for number in partly}

@@ -54,7 +54,7 @@ def test_a_temporary_folder_disappears_with_the_result():
     assert not path.exists()
 
 
-@pytest.mark.parametrize("advisor", ["desk", "fallible:0.5:desk"])
+@pytest.mark.parametrize("advisor", ["desk", "sloppy:malformed=0.5:desk"])
 def test_who_asks_a_person_names_a_folder(advisor, tmp_path):
     with pytest.raises(InputError, match="out: found no folder for --advisor"):
         demand_inbox(advisor, None)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from coral.reef.pictures.mapframe import CELL_COLORS
+from coral.reef.world.geometry import Label
 from coral.view.decisions import decisions
-from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_fate, cluster_outline, footprint, map_uri, track
+from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_fate, cluster_outline, map_uri, outlines, track
 from coral.view.run import RunFolder
 
 SIZE = (12.0, 12.0)
@@ -110,10 +111,10 @@ def test_the_outline_of_a_cluster_holds_its_oysters_and_turns_once():
     assert cluster_outline({}).shape == (0, 2)
 
 
-@pytest.mark.parametrize(("shape", "area"), [("box", 4 * 0.6 * 0.2), ("cylinder", math.pi * 0.6 * 0.2)])
-def test_a_footprint_has_the_area_and_the_heading_of_its_obstacle(shape, area):
-    points = footprint({"shape": shape, "x": 3.0, "y": 4.0, "size": [0.6, 0.2, 1.0], "yaw": math.pi / 2})
-    assert cv2.contourArea(points.astype(np.float32)) == pytest.approx(area, rel=0.02)
-    assert np.ptp(points, axis=0) == pytest.approx((0.4, 1.2), rel=0.02)
-    assert points.mean(axis=0) == pytest.approx((3.0, 4.0), abs=1e-6)
-    assert footprint({"shape": shape, "size": []}).shape == (0, 2)
+@pytest.mark.parametrize(("shape", "area"), [("box", 4 * 0.6 * 0.2), ("ellipsoid", math.pi * 0.6 * 0.2)])
+def test_an_outline_has_the_area_and_the_heading_of_its_obstacle(run, shape, area):
+    rock = {"shape": shape, "x": 3.0, "y": 4.0, "z": 0.5, "size": [0.6, 0.2, 0.5], "yaw": math.pi / 2}
+    found = [points for label, points in outlines({**run.world, "obstacles": [rock]}) if label == Label.OBSTACLE]
+    assert cv2.contourArea(found[0].astype(np.float32)) == pytest.approx(area, rel=0.02)
+    assert np.ptp(found[0], axis=0) == pytest.approx((0.4, 1.2), rel=0.02)
+    assert outlines({**run.world, "obstacles": [{**rock, "size": []}]}) == []

@@ -7,7 +7,6 @@ import warnings
 from typing import TYPE_CHECKING
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.errors import InputError
 
 if TYPE_CHECKING:
     import httpx2
@@ -22,16 +21,6 @@ KEYS = {
 
 LOCAL_KEY = "CORAL_LOCAL_API_KEY"
 """Environment variable with the key of an OpenAI-compatible server, for servers that require one."""
-
-
-def require_key(provider: str, where: str) -> None:
-    """Check that the environment holds a provider's key.
-
-    Raises:
-        InputError: There is none; the message names the variable.
-    """
-    if not any(os.environ.get(name) for name in KEYS[provider]):
-        raise InputError(where, "", f"no key for {provider}", f"the environment variable {' or '.join(KEYS[provider])}")
 
 
 def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, httpx2.AsyncClient]:

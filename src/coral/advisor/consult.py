@@ -22,6 +22,8 @@ Verdict = Literal["accepted", "rejected", "malformed", "unavailable", "withdrawn
 
 DEADLINE_S = 60.0
 """Default deadline of a decision during a mission."""
+LATE = "deadline"
+"""Code of a question whose decision came to its deadline."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,35 +118,30 @@ async def consult(
             return Outcome(answer=None, question=None, attempts=attempt, failure="withdrawn")
         asked_at_s = clock.now()
         question = replace(question, asked_at_s=asked_at_s)
-        heard = await _ask(advisor, question, tuple(rejections), clock, end - asked_at_s, deadline_s)
-        if heard.value is not None and (refusal := verify(question, heard.value)) is not None:
-            heard = replace(heard, verdict="rejected", rejection=refusal)
-        log(
-            Attempt(
-                decision=decision,
-                attempt=attempt,
-                asked_at_s=asked_at_s,
-                answered_at_s=clock.now(),
-                question=question,
-                verdict=heard.verdict,
-                raw=heard.raw,
-                answer=None if heard.value is None else heard.value.model_dump(mode="json"),
-                rejection=heard.rejection,
-                usage=heard.usage,
-                final=heard.final,
-            )
+        value, heard = await _ask(advisor, question, tuple(rejections), clock, end - asked_at_s, deadline_s)
+        if value is not None and (refusal := verify(question, value)) is not None:
+            heard |= {"verdict": "rejected", "rejection": refusal}
+        made = Attempt(
+            decision=decision,
+            attempt=attempt,
+            asked_at_s=asked_at_s,
+            answered_at_s=clock.now(),
+            question=question,
+            answer=None if value is None else value.model_dump(mode="json"),
+            **heard,
         )
-        failure = "" if heard.rejection is None else heard.rejection.code
-        if heard.verdict in ("malformed", "rejected"):
-            assert heard.rejection is not None
-            rejections.append(heard.rejection)
-        elif heard.verdict != "unavailable" or heard.final or heard.late:
+        log(made)
+        failure = "" if made.rejection is None else made.rejection.code
+        if made.verdict in ("malformed", "rejected"):
+            assert made.rejection is not None
+            rejections.append(made.rejection)
+        elif made.verdict != "unavailable" or made.final or failure == LATE:
             return Outcome(
-                answer=heard.value,
+                answer=value,
                 question=question,
                 attempts=attempt + 1,
-                failure="withdrawn" if heard.verdict == "withdrawn" else failure,
-                rejections=(*rejections, *([] if heard.rejection is None else [heard.rejection])),
+                failure="withdrawn" if made.verdict == "withdrawn" else failure,
+                rejections=(*rejections, *([] if made.rejection is None else [made.rejection])),
             )
     return Outcome(
         answer=None,
@@ -155,20 +152,6 @@ async def consult(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Heard(Generic[A]):
-    """What came of asking once; the fields are those of `Attempt`."""
-
-    verdict: Verdict
-    value: A | None = None
-    raw: str = ""
-    rejection: Rejection | None = None
-    usage: Usage = field(default_factory=lambda: Usage(requests=0))
-    final: bool = False
-    late: bool = False
-    """Whether the deadline of the decision passed."""
-
-
 async def _ask(
     advisor: Advisor,
     question: Question[A],
@@ -176,23 +159,25 @@ async def _ask(
     clock: Clock,
     timeout_s: float,
     deadline_s: float,
-) -> _Heard[A]:
+) -> tuple[A | None, dict[str, Any]]:
+    """Ask once; return the answer, if there is one, and what the attempt heard: some fields of `Attempt`."""
     try:
         reply: Reply[A] = await clock.reply(partial(advisor.answer, question, rejections), timeout_s)
     except TimeoutError:
-        silence = Rejection(code="deadline", reason=f"no answer within {deadline_s:g} s")
-        return _Heard(verdict="unavailable", rejection=silence, late=True)
+        silence = Rejection(code=LATE, reason=f"no answer within {deadline_s:g} s")
+        return None, {"verdict": "unavailable", "rejection": silence}
     except Withdrawn:
-        return _Heard(verdict="withdrawn")
+        return None, {"verdict": "withdrawn"}
     except BadAnswer as bad:
-        return _Heard(verdict="malformed", raw=scrub(bad.raw), rejection=_without_keys(bad.rejection), usage=bad.usage)
+        fault, raw = _without_keys(bad.rejection), scrub(bad.raw)
+        return None, {"verdict": "malformed", "raw": raw, "rejection": fault, "usage": bad.usage}
     except AdvisorUnavailable as gone:
         absence = _without_keys(Rejection(code=gone.code, reason=gone.reason))
-        return _Heard(verdict="unavailable", rejection=absence, usage=gone.usage, final=gone.final)
+        return None, {"verdict": "unavailable", "rejection": absence, "usage": gone.usage, "final": gone.final}
     except Exception as error:
         # An exception in an advisor must cost only its answer, not the vehicle.
         fault = _without_keys(Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}"))
-        return _Heard(verdict="unavailable", rejection=fault)
+        return None, {"verdict": "unavailable", "rejection": fault}
     # A server may echo the key that it was sent: no part of a reply goes on before that is removed.
     raw, value, said = scrub(reply.raw), reply.value, reply.value.model_dump(mode="json")
     if (clean := scrub_values(said)) != said:
@@ -200,8 +185,8 @@ async def _ask(
             value = type(value).model_validate(clean)
         except ValidationError:
             fault = Rejection(code="invalid", reason="The answer held a key of this environment.")
-            return _Heard(verdict="malformed", raw=raw, rejection=fault, usage=reply.usage)
-    return _Heard(verdict="accepted", value=value, raw=raw, usage=reply.usage)
+            return None, {"verdict": "malformed", "raw": raw, "rejection": fault, "usage": reply.usage}
+    return value, {"verdict": "accepted", "raw": raw, "usage": reply.usage}
 
 
 def _without_keys(rejection: Rejection) -> Rejection:

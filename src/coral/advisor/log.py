@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
 from coral.advisor.consult import Attempt
 from coral.advisor.question import Question
@@ -25,26 +24,17 @@ RAW_LIMIT = 65_536
 """Characters of a raw reply that are kept."""
 
 
-def schema_digest(answer_type: type[BaseModel]) -> str:
-    """Compute SHA-256 (hexadecimal) of the JSON schema of an answer, independent of key order."""
-    return _digest(json.dumps(answer_type.model_json_schema(), sort_keys=True))
-
-
-def prompt_digest(prompt: str) -> str:
-    """Compute SHA-256 (hexadecimal) of a prompt's UTF-8 text."""
-    return _digest(prompt)
-
-
 def question_key(question: Question[Any]) -> dict[str, Any]:
     """Return the identity of a question as JSON: the key of a recording.
 
-    Facts count only without pictures, because then nothing else distinguishes states of the world.
+    Facts count only without pictures, because then nothing else distinguishes states of the world. Digests are SHA-256,
+    hexadecimal; that of the answer's schema is independent of key order.
     """
     return {
         "kind": question.kind,
         "prompt_version": question.prompt_version,
-        "schema": schema_digest(question.answer_type),
-        "prompt_digest": prompt_digest(question.prompt),
+        "schema": _digest(json.dumps(question.answer_type.model_json_schema(), sort_keys=True)),
+        "prompt_digest": _digest(question.prompt),
         "pictures": [picture.digest for picture in question.pictures],
         "facts_digest": "" if question.pictures else _digest(plain_json(question.facts)),
     }

@@ -13,9 +13,8 @@ from urllib.parse import urlsplit
 
 from pydantic import BaseModel
 
-from coral.advisor.connect import LOCAL_KEY, connect, require_key
-from coral.advisor.ledger import Ledger
-from coral.advisor.model_cfg import CONNECT_S, ModelCfg
+from coral.advisor.connect import KEYS, LOCAL_KEY, connect
+from coral.advisor.model_cfg import CONNECT_S, ModelCfg, SpendCfg
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
@@ -34,6 +33,39 @@ REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", 
 """Faults of format, which a second request may repair. A refusal or an endless reply is not repeated here."""
 MOST_TOKENS = 10**9
 """A server that tells of more in one reply is taken at this."""
+
+
+class Ledger:
+    """Counts requests, tokens and money of one run."""
+
+    def __init__(self, cfg: SpendCfg) -> None:
+        self.cfg = cfg
+        self.calls = 0
+        self.tokens = 0
+        self.usd = 0.0
+
+    def open_call(self) -> None:
+        """Count one request before it is sent.
+
+        Raises:
+            AdvisorUnavailable: The budget is exhausted (code "budget", final).
+        """
+        bounds = (
+            (self.calls, self.cfg.max_calls, "calls", "max_calls"),
+            (self.tokens, self.cfg.max_tokens, "tokens", "max_tokens"),
+            (self.usd, self.cfg.max_usd, "USD", "max_usd"),
+        )
+        for spent, bound, unit, name in bounds:
+            if spent >= bound:
+                raise AdvisorUnavailable(
+                    "budget", f"the run's budget is used up: {spent:g} of {bound:g} {unit} (spend.{name})", final=True
+                )
+        self.calls += 1
+
+    def add(self, tokens: int, usd: float) -> None:
+        """Record the cost of a reply."""
+        self.tokens += tokens
+        self.usd += usd
 
 
 @dataclass
@@ -72,16 +104,6 @@ class ModelAdvisor:
     def local(cls, url: str, model: str, cfg: ModelCfg) -> ModelAdvisor:
         """Make a model on an OpenAI-compatible server (vLLM, Ollama, llama.cpp)."""
         return cls("local", model, cfg, url)
-
-    @classmethod
-    def provider(cls, provider: str, model: str, cfg: ModelCfg, where: str = "--advisor") -> ModelAdvisor:
-        """Make a provider's model.
-
-        Raises:
-            InputError: The environment has no key for it.
-        """
-        require_key(provider, where)
-        return cls(provider, model, cfg)
 
     def with_cfg(self, cfg: ModelCfg) -> ModelAdvisor:
         """Return the same model with another configuration and its own accounts."""
@@ -284,7 +306,10 @@ def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:
     Raises:
         InputError: The environment has no key for it.
     """
-    return ModelAdvisor.provider(name, rest, setting.model, where=setting.where)
+    if not any(os.environ.get(key) for key in KEYS[name]):
+        expected = f"the environment variable {' or '.join(KEYS[name])}"
+        raise InputError(setting.where, "", f"no key for {name}", expected)
+    return ModelAdvisor(name, rest, setting.model)
 
 
 def make_local(name: str, rest: str, setting: Setting) -> ModelAdvisor:

@@ -43,14 +43,9 @@ class AdvisorEntry:
         """Return the first word of its form."""
         return self.form.partition(":")[0]
 
-    @property
-    def takes(self) -> bool:
-        """Return whether its form has an argument."""
-        return ":" in self.form
-
     def fits(self, spec: str) -> bool:
         """Check whether a string has the argument that the form asks for; that of a plugin may be missing."""
-        return self.plugin or (bool(spec.partition(":")[2]) if self.takes else ":" not in spec)
+        return self.plugin or (bool(spec.partition(":")[2]) if ":" in self.form else ":" not in spec)
 
 
 ENTRIES = (
@@ -63,7 +58,7 @@ ENTRIES = (
     AdvisorEntry(
         form="recorded",
         what="a vision-language model's recorded answers to the shipped contact tasks",
-        make="coral.advisor.recorded:make_recorded",
+        make="coral.advisor.replay:make_recorded",
     ),
     *(
         AdvisorEntry(form=f"{provider}:MODEL", what="a provider's model", make="coral.advisor.models:make_provider")
@@ -82,14 +77,7 @@ ENTRIES = (
         make="coral.advisor.replay:make_replay",
     ),
     AdvisorEntry(
-        form="fallible:P:INNER",
-        what="another advisor, of whose answers a share P is malformed, out of range, stale or missing",
-        wraps=True,
-    ),
-    AdvisorEntry(
-        form="sloppy:ERRORS:INNER",
-        what="another advisor that errs plausibly: answers that look right and are not",
-        wraps=True,
+        form="sloppy:ERRORS:INNER", what="another advisor that errs: answers that are wrong, or none", wraps=True
     ),
 )
 OTHER_NAMES = {
@@ -110,14 +98,12 @@ GROUP = "coral.advisors"
 """Group of entry points by which other packages offer advisors."""
 
 
-def forms(*, rules: bool = True) -> str:
-    """Return all forms of our advisors, for help; those of rules only where the application has any."""
-    return ", ".join(entry.form for entry in ENTRIES if rules or not entry.rules)
-
-
 def advisor_help(first: str, *, rules: bool = True) -> str:
-    """Return the help of a flag that takes an advisor: the command's own sentence, then the available names."""
-    return f"{first}: {forms(rules=rules)}."
+    """Return the help of a flag that takes an advisor: the command's own sentence, then the forms of our advisors.
+
+    Those of rules are told only where the application has any.
+    """
+    return f"{first}: {', '.join(entry.form for entry in ENTRIES if rules or not entry.rules)}."
 
 
 def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
@@ -221,11 +207,11 @@ def _suggest_forms(spec: str, rules: bool) -> str:
     """Suggest valid forms for a string that names no advisor."""
     name, colon, rest = spec.partition(":")
     entry = _BY_NAME.get(name)
-    if entry is not None and entry.takes and not rest:
+    if entry is not None and ":" in entry.form and not rest:
         return f"all of {entry.form}"
     others = _plugin_entries()
-    names = [each.name for each in ENTRIES if rules or not each.rules]
-    known_forms = ", ".join([forms(rules=rules), *others])
+    ours = [each for each in ENTRIES if rules or not each.rules]
+    known_forms = ", ".join([*(each.form for each in ours), *others])
     known = next((other for start, other in OTHER_NAMES.items() if name.lower().startswith(start)), "")
     known = known if rules or known != "heuristic" else ""
     if known in KEYS:
@@ -233,4 +219,4 @@ def _suggest_forms(spec: str, rules: bool) -> str:
         return f"one of {known_forms} (did you mean '{known}:{model or 'MODEL'}'?)"
     if known:
         return f"one of {known_forms} (did you mean {known!r}?)"
-    return f"one of {known_forms}{nearest(name, [*names, *others], 0.7)}"
+    return f"one of {known_forms}{nearest(name, [*(each.name for each in ours), *others], 0.7)}"

@@ -30,14 +30,14 @@ class Earlier:
     answer: Answer
 
 
-Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | None]
+Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | str | None]
 """Makes the mistake: (question, right answer, earlier ones with the oldest first, random generator) to the wrong
-answer, or None if this mistake is impossible here."""
+answer, or a text that is none, or None if this mistake is impossible here."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mistake:
-    """One kind of plausible error in an application."""
+    """One kind of error, in an application or in any."""
 
     name: str
     """Name on the command line."""
@@ -46,7 +46,7 @@ class Mistake:
     found_in: str
     """Published failure analysis in which models make it; "" if none is known."""
     questions: tuple[str, ...]
-    """Kinds of question in which it can happen."""
+    """Kinds of question in which it can happen; () is any."""
     err: Err
     part: str = ""
     """The part of an answer that it spoils: a question that asks for several things at once has as many chances of
@@ -79,18 +79,3 @@ class Setting:
     """Makes the inner advisor of a wrapper from its string."""
     mistakes: tuple[Mistake, ...] = ()
     """The application's plausible errors, for `sloppy`."""
-
-
-def read_probability(text: str, name: str, where: str, expected: str) -> float:
-    """Read a rate of errors.
-
-    Raises:
-        InputError: It is no probability.
-    """
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = -1.0
-    if not 0.0 <= rate <= 1.0:
-        raise InputError(where, name, repr(text), expected)
-    return rate

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any, cast
 
-from coral.campaign.episode import Episode, EpisodeOutcome, EpisodeTask, Executor
+from coral.campaign.episode import Episode, EpisodeOutcome, EpisodeTask, Executor, code_version
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.spec import Spec
 from coral.campaign.store import Store
-from coral.campaign.version import code_version
 from coral.errors import RunError
 
 

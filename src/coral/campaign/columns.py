@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from statistics import median
 from typing import Any
 
-from coral.campaign.stats import Estimate, bootstrap_mean, paired_difference, wilson
+from coral.campaign.stats import bootstrap_mean, paired_difference, wilson
 from coral.campaign.table import Table
 from coral.foreign_file import parse_json
 
@@ -50,24 +51,25 @@ class Measure:
 
     def mean(self) -> Column:
         """Return the column of means: `97.1`, or `97.1 (28/30)` if only 28 of 30 episodes have the number."""
-        return Column(self.label, lambda group: mean_text(group.rows, self))
+        return Column(self.label, self._mean_text)
 
     def interval(self) -> Column:
         """Return the column of means with their intervals: `97.1 [95.0, 99.0]`."""
-        return Column(self.label, lambda group: mean_interval_text(group.rows, self))
+        return Column(self.label, partial(self._mean_text, interval=True))
 
     def difference(self) -> Column:
-        """Return the column of paired differences from the reference."""
-        return Column(
-            f"Δ {self.label}", lambda group: difference_text(difference(group.rows, group.reference, self), self.digits)
-        )
+        """Return the column of paired differences from the reference: `−3.1 [−5.0, −1.2]`.
+
+        `≈` is in front if the interval contains zero.
+        """
+        return Column(f"Δ {self.label}", self._difference_text)
 
     def median(self) -> Column:
         """Return the column of medians."""
 
         def text(group: Group) -> str:
-            found = defined(group.rows, self)
-            return number(median(found), self.digits) if found else "–"
+            found = self._values(group.rows)
+            return number(median(found.values()), self.digits) if found else "–"
 
         return Column(self.label, text)
 
@@ -75,16 +77,45 @@ class Measure:
         """Return the column of the median's change against the reference's (%)."""
 
         def text(group: Group) -> str:
-            ours, theirs = defined(group.rows, self), defined(group.reference, self)
-            if not ours or not theirs or not median(theirs):
+            ours, theirs = self._values(group.rows), self._values(group.reference)
+            if not ours or not theirs or not median(theirs.values()):
                 return "–"
-            return number(100.0 * (median(ours) / median(theirs) - 1.0), 0, sign=True)
+            return number(100.0 * (median(ours.values()) / median(theirs.values()) - 1.0), 0, sign=True)
 
         return Column(f"Δ {self.label.partition(' (')[0]} (%)", text)
 
     def paper(self) -> Column:
         """Return the column of the paper's numbers."""
         return Column("paper", lambda group: group.printed.get(self.key, "–"))
+
+    def _values(self, rows: Sequence[Row]) -> dict[Pair, float]:
+        """Return the measure of each episode in which it is defined."""
+        return {pair(row): value for row in rows if (value := self.of(row)) is not None}
+
+    def _mean_text(self, group: Group, interval: bool = False) -> str:
+        if not group.rows:
+            return "not run"
+        found = self._values(group.rows)
+        estimate = bootstrap_mean(list(found.values()), [world for world, _ in found])
+        if not estimate.count:
+            return "—"
+        share = f" ({estimate.count}/{len(group.rows)})" if estimate.count < len(group.rows) else ""
+        text = number(estimate.mean, self.digits) + share
+        if not interval or math.isnan(estimate.low):
+            return text
+        return f"{text} [{number(estimate.low, self.digits)}, {number(estimate.high, self.digits)}]"
+
+    def _difference_text(self, group: Group) -> str:
+        ours = self._values(group.rows)
+        estimate = paired_difference(ours, self._values(group.reference), {key: key[0] for key in ours})
+        if not estimate.count:
+            return "—"
+        mean, low, high = (
+            number(value, self.digits, sign=True) for value in (estimate.mean, estimate.low, estimate.high)
+        )
+        if math.isnan(estimate.low):
+            return mean
+        return f"{'' if estimate.tells else '≈ '}{mean} [{low}, {high}]"
 
 
 def column_measure(key: str, label: str, name: str, scale: float = 1.0, digits: int = 1) -> Measure:
@@ -163,60 +194,6 @@ def group_by(rows: Sequence[Row], key: Callable[[Row], Any]) -> dict[Any, list[R
 def pair(row: Row) -> Pair:
     """Return the key by which two rows are compared, within one advisor and one configuration: world and seed."""
     return row["world"], row["seed"]
-
-
-def defined(rows: Sequence[Row], measure: Measure) -> list[float]:
-    """Return the measure of the episodes that have it."""
-    return [value for row in rows if (value := measure.of(row)) is not None]
-
-
-def values(rows: Sequence[Row], measure: Measure) -> dict[Pair, float]:
-    """Return the measure of each episode in which it is defined."""
-    found = {pair(row): measure.of(row) for row in rows}
-    return {key: value for key, value in found.items() if value is not None}
-
-
-def mean(rows: Sequence[Row], measure: Measure) -> Estimate:
-    """Compute the mean of the measure over episodes, with its interval."""
-    found = values(rows, measure)
-    return bootstrap_mean(list(found.values()), [world for world, _ in found])
-
-
-def difference(rows: Sequence[Row], reference: Sequence[Row], measure: Measure) -> Estimate:
-    """Compute the mean difference from the reference over the pairs that both have."""
-    ours = values(rows, measure)
-    return paired_difference(ours, values(reference, measure), {key: key[0] for key in ours})
-
-
-def mean_text(rows: Sequence[Row], measure: Measure) -> str:
-    """Format a mean: `97.1`; with `(28/30)` if only 28 of 30 episodes have the number; a dash if none has."""
-    if not rows:
-        return "not run"
-    estimate = mean(rows, measure)
-    if not estimate.count:
-        return "—"
-    share = f" ({estimate.count}/{len(rows)})" if estimate.count < len(rows) else ""
-    return number(estimate.mean, measure.digits) + share
-
-
-def mean_interval_text(rows: Sequence[Row], measure: Measure) -> str:
-    """Format a mean as `mean_text` does, with its interval: `97.1 [95.0, 99.0]`."""
-    estimate = mean(rows, measure)
-    if not estimate.count or math.isnan(estimate.low):
-        return mean_text(rows, measure)
-    low, high = (number(value, measure.digits) for value in (estimate.low, estimate.high))
-    return f"{mean_text(rows, measure)} [{low}, {high}]"
-
-
-def difference_text(estimate: Estimate, digits: int) -> str:
-    """Format a difference: `−3.1 [−5.0, −1.2]`, with `≈` in front if the interval contains zero."""
-    if not estimate.count:
-        return "—"
-    text = number(estimate.mean, digits, sign=True)
-    if math.isnan(estimate.low):
-        return text
-    interval = f" [{number(estimate.low, digits, sign=True)}, {number(estimate.high, digits, sign=True)}]"
-    return ("" if estimate.tells else "≈ ") + text + interval
 
 
 def number(value: float, digits: int, *, sign: bool = False) -> str:

@@ -18,7 +18,6 @@ from coral.campaign.columns import (
     Row,
     column_measure,
     group_by,
-    mean_text,
     of_successes,
     pair,
     successes,
@@ -114,7 +113,7 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
 
     def cell(own: Group) -> str:
         won = successes(own.rows)
-        return f"{mean_text(won, SIMULATED)} ({mean_text(won, WALL)})" if won else "–"
+        return "{} ({})".format(*(m.mean().text(Group("", won)) for m in (SIMULATED, WALL))) if won else "–"
 
     def theirs(printed: Sequence[int | None]) -> str:
         return "–" if printed[1] is None else str(printed[1])

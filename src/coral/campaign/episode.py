@@ -1,7 +1,11 @@
-"""The interface of an episode to a campaign: a function of a spec and a folder that returns a record."""
+"""The interface of an episode to a campaign: a function of a spec and a folder that returns a record.
+
+Results are compared where the version of the code and digests of other conditions are equal.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import socket
@@ -9,12 +13,14 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
 from coral.campaign.spec import Spec
-from coral.campaign.version import code_version
 from coral.errors import NO_ROOM
+from coral.foreign_file import read_bytes
+from coral.limits import YAML_BYTES
 
 Episode = Callable[[Spec, Path], Mapping[str, Any]]
 """Runs one episode in a new folder and returns its record (JSON values). It must be picklable, and deterministic
@@ -22,6 +28,10 @@ except for times in the record."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 """Environment of a worker: there is one worker per core, so one thread each."""
+PACKAGE = Path(__file__).resolve().parents[1]
+_SOURCES = {".py", ".yaml", ".json", ".md", ".xml"}
+_ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
+"""Parts of the package that only show or distribute results."""
 
 
 @dataclass(frozen=True)
@@ -93,3 +103,23 @@ def _is_of_full_disk(error: BaseException | None) -> bool:
 def plain(value: Any) -> Any:
     """Convert a NumPy number to Python's own, and anything else that JSON lacks to text."""
     return value.item() if hasattr(value, "item") else str(value)
+
+
+@cache
+def code_version() -> str:
+    """Compute a digest of every file of the package that can change the result of an episode.
+
+    Unlike a commit it also distinguishes edited files, and is unaffected by changes of tables or pages.
+    """
+    total = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*")):
+        inside = path.relative_to(PACKAGE)
+        if path.suffix in _SOURCES and inside.parts[0] not in _ONLY_LOOKED_AT and path.is_file():
+            total.update(f"{inside.as_posix()}\0".encode())
+            total.update(hashlib.sha256(read_bytes(path, "a module", YAML_BYTES)).digest())
+    return total.hexdigest()[:12]
+
+
+def digest(content: Any) -> str:
+    """Compute twelve hexadecimal digits that identify contents."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]

@@ -19,8 +19,6 @@ from coral.campaign.columns import (
     column_measure,
     count,
     counts,
-    difference,
-    difference_text,
     group_by,
     of_successes,
     pair,
@@ -346,7 +344,7 @@ def _effects(presets: Mapping[str, Sequence[Row]], advisors: Sequence[str]) -> T
     variants = dict.fromkeys(variant for own in found.values() for variant in own if variant != REFERENCE)
 
     def slower(variant: str, own: Mapping[str, Sequence[Row]]) -> str:
-        return difference_text(difference(own.get(variant, []), own.get(REFERENCE, []), RESTRICTED), 0)
+        return RESTRICTED.difference().text(Group(variant, own.get(variant, []), own.get(REFERENCE, [])))
 
     shown = variants if len(found) > 1 and judged else ()
     lines = tuple((name(variant), *(slower(variant, own) for own in found.values())) for variant in shown)

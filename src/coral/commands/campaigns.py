@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from coral.advisor.preflight import preflight
 from coral.advisor.question import Advisor
 from coral.campaign.campaign import Summary, run_campaign
-from coral.campaign.campaign_files import CampaignFiles
-from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
+from coral.campaign.dataset import Row, write_dataset
 from coral.campaign.episode import Episode, Executor
 from coral.campaign.local import LocalExecutor
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.slurm import SlurmCfg
 from coral.campaign.spec import NO_ADVISOR, Spec
-from coral.campaign.store import Store
+from coral.campaign.store import CampaignFiles, Store
 from coral.campaign.table import Table, document, overview, table_json
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.flag_parser import scan
+from coral.flags import Option, describe
 from coral.runs import provenance
 from coral.terminal import tell
 from coral.words import many
@@ -49,6 +51,8 @@ class CampaignFlags:
     """Print one JSON object on standard output; progress stays on standard error."""
     quiet: bool = False
     """No progress."""
+    typed: Annotated[tuple[str, ...], Option(hidden=True)] = ()
+    """The words of the command line."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Results:
     """The contents of a campaign's folder."""
 
     rows: Sequence[Row]
-    """One row per recorded episode, as read back from results.parquet."""
+    """One row per recorded episode, as in results.parquet."""
     records: Sequence[Mapping[str, Any]]
     about: Mapping[str, Any]
     """Origin of the results: commit, machine."""
@@ -146,26 +150,38 @@ def _executor(flags: CampaignFlags, store: Store) -> Executor:
     return LocalExecutor(flags.jobs)
 
 
-def flag_words(flags: CampaignFlags, *names: str) -> list[str]:
-    """Return the flags of these names with their values; those without a value are left out."""
-    values = {name: getattr(flags, name) for name in names}
-    return [word for name, value in values.items() if value not in (None, "") for word in (f"--{name}", str(value))]
+def typed_command(name: str, flags: CampaignFlags) -> str:
+    """Return a command such as "reef bench" as it was typed, without the flags that do not change its results."""
+    about = describe(type(flags))
+    given = scan(flags.typed, about, name)
+    alike = {field.name for field in fields(CampaignFlags)} | {"out"}
+    words = ["coral", *name.split()]
+    for flag in about.flags:
+        values = given.get(flag.field)
+        if values is None or flag.field[0] in alike:
+            continue
+        if not flag.words:
+            words.append(flag.spellings[values == ["no"]])
+        elif flag.repeated:
+            words += [word for value in values for word in (flag.name, value)]
+        else:
+            words += [flag.name, *values]
+    return shlex.join(words)
 
 
 def read_results(store: Store, noun: str, command: str) -> Results:
-    """Write results.parquet from the records, and read it back; `command` is told where the manifest names none.
+    """Write results.parquet from the records; `command` is told where the manifest names none.
 
     Raises:
         RunError: Nothing is recorded.
     """
     manifest, records = store.manifest(), store.records()
     about = manifest["about"]
-    rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
-    if not rows:
+    if not records:
         raise RunError(f"no {noun} is recorded in {store.folder} yet")
-    data = store.folder / CampaignFiles.RESULTS
-    write_parquet(rows, data)
-    return Results(read_parquet(data), records, about, "; then ".join(manifest["commands"]) or command)
+    origin = {name: about.get(name, "") for name in ("commit", "machine")}
+    rows = write_dataset(records, origin, store.folder / CampaignFiles.RESULTS)
+    return Results(rows, records, about, "; then ".join(manifest["commands"]) or command)
 
 
 def write_tables(

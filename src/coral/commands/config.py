@@ -1,21 +1,26 @@
-"""`coral config`: the keys of a configuration, or one of them explained."""
+"""`coral config`: the keys of a configuration, one of them explained, or what departs from the papers.
+
+`Departs from the paper:` begins a sentence in the text of a key or of a group of keys, or in the docstring of the
+module, class, function or constant that departs. There is no other list.
+"""
 
 from __future__ import annotations
 
+import ast
+import inspect
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from coral.commands.departures import departs, rows_without_key
 from coral.commands.unread_settings import refused_by
-from coral.configurations import CONFIGURATIONS
 from coral.errors import InputError, nearest
-from coral.flags import Argument, Flag, shown
+from coral.flags import Argument, Flag
+from coral.foreign_file import read_text
 from coral.help_page import first_sentence
-from coral.surface import described, load
+from coral.surface import CONFIGURATIONS, described
 
 WIDTH = 120
 UNITS = {
@@ -26,21 +31,21 @@ UNITS = {
 """Unit by the end of a key; the n_m of a stiffness are N/m."""
 _PARTS = {part for end in UNITS for part in end.split("_")}
 HELP = f"{'; '.join(f'{name}, {what}' for name, (_, _, what) in CONFIGURATIONS.items())}."
+DEPARTS = "Departs from the paper:"
+PACKAGE = Path(__file__).parents[1]
+PARTS = {"reef": "reef", "contact": "contact"}
+"""Folder of the package whose code is read, by configuration; the others have none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ListConfig:
-    """List the keys of a configuration with their values, or explain one key or group of keys."""
+    """List the keys of a configuration with their defaults, or explain one key or group of keys."""
 
     of: Annotated[str, Argument(metavar="CONFIGURATION", names=CONFIGURATIONS, help=HELP)]
     key: Annotated[str, Argument(metavar="[KEY]")] = ""
     """A key, such as pilot.trigger.stuck_s, or a group of keys, such as pilot.trigger."""
     departures: bool = False
     """What departs from the paper, with the reason: keys by their default, groups of keys, and code without a key."""
-    config: Path | None = None
-    """Show the values of this YAML file where it has some, such as the config.yaml of a run."""
-    variant: str | None = None
-    """Show the values of a variant of the survey (reef only)."""
     json: bool = False
     """Print one JSON object."""
 
@@ -50,7 +55,6 @@ class ListConfig:
             raise InputError("coral config", "", repr(self.of), known)
         place, flag, _ = CONFIGURATIONS[self.of]
         about = described(place)
-        values = self._values(place)
         asked = re.sub(rf"^({flag}|{flag[2:]})\.", "", self.key).replace("-", "_").strip(".")
         chosen = [each for each in about.flags if f"{'.'.join(each.field)}.".startswith(f"{asked}." if asked else "")]
         chosen = [each for each in chosen if not self.departures or departs(each.text)]
@@ -63,23 +67,8 @@ class ListConfig:
             "configuration": self.of,
             "key": asked,
             "text": groups.get(asked, about.text) if len(chosen) > 1 else about.text,
-            "keys": [*(_row(self.of, each, flag, values) for each in chosen), *more],
+            "keys": [*(_row(self.of, each, flag) for each in chosen), *more],
         }
-
-    def _values(self, place: str) -> Any:
-        """Return the configuration of the file and the variant; None for the default."""
-        if self.config is None and self.variant is None:
-            return None
-        from coral.config import read_config
-
-        values = load(place)()
-        if self.config is not None:
-            values = read_config(self.config, values)
-        if self.variant is not None:
-            if self.of != "reef":
-                raise InputError("--variant", "", self.of, "reef, the only one with variants of its configuration")
-            values = load("coral.reef.mission.variants:apply_variant")(self.variant, values)
-        return values
 
     def describe(self, result: Mapping[str, Any]) -> str:
         rows = result["keys"]
@@ -105,14 +94,11 @@ def _near(asked: str, keys: list[str]) -> str:
     return re.sub(r"'(.+)'", lambda match: repr(whole[match[1]]), nearest(asked, whole))
 
 
-def _row(of: str, flag: Flag, prefix: str, values: Any) -> dict[str, Any]:
+def _row(of: str, flag: Flag, prefix: str) -> dict[str, Any]:
     key = ".".join(flag.field)
-    for name in flag.field if values is not None else ():
-        values = getattr(values, name)
     return {
         "key": key,
         "default": flag.default,
-        "value": flag.default if values is None else shown(values),
         "unit": _unit(flag.field[-1]) if "number" in flag.type else "",
         "accepted": flag.type,
         "text": flag.text,
@@ -131,9 +117,8 @@ def _unit(name: str) -> str:
 
 
 def _amount(row: Mapping[str, Any]) -> str:
-    """Format the value with its unit, and mark one that is not the default."""
-    mark = "" if row["value"] == row["default"] else " *"
-    return f"{row['value'] or '-'} {row['unit']}".strip() + mark
+    """Format the default with its unit."""
+    return f"{row['default'] or '-'} {row['unit']}".strip()
 
 
 def _explained(row: Mapping[str, Any]) -> str:
@@ -141,7 +126,58 @@ def _explained(row: Mapping[str, Any]) -> str:
     if row["text"]:
         lines.append(textwrap.fill(row["text"], WIDTH, initial_indent="  ", subsequent_indent="  "))
     lines.append(f"  accepted: {row['accepted']}")
-    lines += [f"  default: {row['default']}"] if row["value"] != row["default"] else []
     if row["refused_by"]:
         lines.append(f"  not read, and refused, by: {', '.join(row['refused_by'])}")
     return "\n".join([*lines, f"  set by: {row['flag']} {'' if row['accepted'] == 'yes or no' else 'VALUE'}".rstrip()])
+
+
+def departs(text: str) -> bool:
+    """Return whether a text says how something departs from the paper."""
+    return DEPARTS in " ".join(text.split())
+
+
+def departing_groups(place: str, asked: str) -> dict[str, str]:
+    """Return the groups of keys of a configuration whose text departs, below a key or group, or all for ""."""
+    about = described(place)
+    keys = {group.prefix.removeprefix("--").replace("-", "_"): group.text for group in about.groups}
+    return {key: text for key, text in keys.items() if departs(text) and f"{key}.".startswith(asked and f"{asked}.")}
+
+
+def departing_code(of: str) -> dict[str, list[str]]:
+    """Return the paragraphs in docstrings of the code that depart, by file; those of keys and groups are left out."""
+    folder = PACKAGE / PARTS[of] if of in PARTS else None
+    found: dict[str, list[str]] = {}
+    for file in sorted(folder.rglob("*.py")) if folder else ():
+        text = read_text(file, "a module of this package")
+        if departs(text):
+            said = [one for doc in _docstrings(ast.parse(text)) for one in _paragraphs(doc)]
+            found |= {f"{file.relative_to(PACKAGE.parent)}": said} if said else {}
+    return found
+
+
+def _docstrings(tree: ast.Module) -> Iterator[str]:
+    """Yield the docstrings of module, classes and functions, and the texts below the module's constants."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            yield ast.get_docstring(node) or ""
+    for before, node in zip(tree.body, tree.body[1:], strict=False):
+        if isinstance(before, ast.Assign | ast.AnnAssign) and isinstance(node, ast.Expr):
+            value = node.value
+            if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                yield inspect.cleandoc(value.value)
+
+
+def _paragraphs(doc: str) -> Iterator[str]:
+    """Yield of each paragraph what departs, from those words on."""
+    for paragraph in re.split(r"\n\s*\n", doc):
+        _, words, said = " ".join(paragraph.split()).partition(DEPARTS)
+        if words:
+            yield f"{words}{said}"
+
+
+def rows_without_key(of: str, place: str, asked: str) -> list[dict[str, Any]]:
+    """Return rows, like those of keys, of groups and of code that departs; of code only if no key is asked for."""
+    said = list(departing_groups(place, asked).items())
+    said += [] if asked else [(file, one) for file, texts in departing_code(of).items() for one in texts]
+    empty = dict.fromkeys(("default", "unit", "accepted", "flag"), "")
+    return [{"key": key, **empty, "text": text, "refused_by": []} for key, text in said]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from coral.config import changed_keys, changes, dotted_keys, read_config, read_yaml, to_mapping
+from coral.config import changed_keys, dotted_keys, read_config, read_yaml
 
 C = TypeVar("C")
 
@@ -50,21 +50,3 @@ def given_keys(words: Sequence[str], prefix: str = "cfg") -> tuple[str, ...]:
 def set_keys(cfg: C, default: C, given: Sequence[str] = ()) -> frozenset[str]:
     """Return the dotted keys that a user has set: those given by name, and those that differ from the default."""
     return frozenset([*given, *changed_keys(cfg, default)])
-
-
-def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:
-    """Return the command-line words that reproduce a configuration: the file, and flags for all differences from it."""
-    base = default if file is None else read_config(file, default)
-    named = ["--config", str(file)] if file is not None else []
-    return named + [
-        word
-        for key, value in changes(to_mapping(cfg), to_mapping(base), prefix)
-        for word in _words(key.replace("_", "-"), value)
-    ]
-
-
-def _words(key: str, value: Any) -> list[str]:
-    if isinstance(value, bool):
-        group, _, last = key.rpartition(".")
-        return [f"--{group}.{'' if value else 'no-'}{last}"]
-    return [f"--{key}", *map(str, value if isinstance(value, list | tuple) else [value])]

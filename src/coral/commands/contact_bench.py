@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json as json_text
-import shlex
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,21 +14,20 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person
 from coral.campaign.campaign import Summary
-from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.contact_tables import contact_tables
+from coral.campaign.episode import code_version, digest
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
-from coral.campaign.store import Store
-from coral.campaign.version import code_version, digest
+from coral.campaign.store import CampaignFiles, Store
 from coral.commands.campaigns import (
     CampaignFlags,
     collect_only,
     describe_campaign,
-    flag_words,
     read_results,
     run_specs,
+    typed_command,
     write_tables,
 )
-from coral.commands.config_flag import config_words, configured
+from coral.commands.config_flag import configured
 from coral.commands.contact_run import TRACKER_HELP
 from coral.config import to_mapping
 from coral.contact.episode.campaign_episode import run_episode
@@ -135,9 +133,8 @@ class ContactBench(CampaignFlags):
     """Configuration of the episodes."""
 
     @classmethod
-    def from_file(cls, words: Sequence[str]) -> ContactBench | None:
-        cfg = configured(words, episode_alone())
-        return None if cfg is None else cls(cfg=cfg)
+    def from_file(cls, words: Sequence[str]) -> ContactBench:
+        return cls(cfg=configured(words, episode_alone()) or episode_alone(), typed=tuple(words))
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing episodes, then make the tables."""
@@ -157,7 +154,15 @@ class ContactBench(CampaignFlags):
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
         return run_specs(
-            self, store, specs, episode, conditions, self._command(), self._collect, "episode", self._advisor
+            self,
+            store,
+            specs,
+            episode,
+            conditions,
+            typed_command("contact bench", self),
+            self._collect,
+            "episode",
+            self._advisor,
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
@@ -240,15 +245,6 @@ class ContactBench(CampaignFlags):
         path = self.out / CampaignFiles.MEMORY
         write_whole(path, (json_text.dumps({"format": FORMAT, "experiences": found}, indent=1) + "\n").encode())
         return str(path)
-
-    def _command(self) -> str:
-        """Return the command that makes this campaign, without flags that do not change its results."""
-        grid_flags = ("variants", "tasks", "worlds", "seeds", "advisors")
-        given = ("policies", "poses", "tracker", "memory", "samples")
-        words = ["coral", "contact", "bench", *flag_words(self, *grid_flags, *given)]
-        words += config_words(self.cfg, episode_alone(), self.config)
-        words += config_words(self.model, contact_model(), None, "model")
-        return shlex.join(words)
 
 
 def named_tasks(text: str) -> tuple[str, ...]:

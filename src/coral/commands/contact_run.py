@@ -16,12 +16,11 @@ from typing import Annotated, Any, Literal, TextIO
 from coral.advisor.attribution import RECORDED_MODEL, who_decided
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.recorded import is_recorded
 from coral.advisor.registry import advisor_help, innermost
+from coral.advisor.replay import is_recorded
+from coral.commands.around_run import LiveFlags, list_made, render, watching
 from coral.commands.config_flag import configured
-from coral.commands.live import LiveFlags, watching
 from coral.commands.progress import EpisodeProgress
-from coral.commands.render import list_made, render
 from coral.commands.robot_flags import RobotFlags, robot_names
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode

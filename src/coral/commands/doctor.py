@@ -1,4 +1,4 @@
-"""`coral doctor`: check this installation, and list the extras."""
+"""`coral doctor` and `coral version`: what is installed."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
+
+from coral.package_version import __version__
 
 CORE = (
     "numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "rich", "PyYAML", "Jinja2",
@@ -106,3 +108,17 @@ def _encoder() -> bool:
         return bool(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
         return False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Version:
+    """Print the version."""
+
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        return {"version": __version__}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        return f"coral {result['version']}"

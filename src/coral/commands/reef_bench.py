@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import reduce
-from operator import getitem
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,21 +12,21 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, rules_alone
 from coral.campaign.campaign import Summary
+from coral.campaign.episode import code_version, digest
 from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables, word_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
 from coral.campaign.sweep import PRESET, parse_sweeps, with_presets
-from coral.campaign.version import code_version, digest
 from coral.commands.campaigns import (
     CampaignFlags,
     collect_only,
     describe_campaign,
-    flag_words,
     read_results,
     run_specs,
+    typed_command,
     write_tables,
 )
-from coral.commands.config_flag import config_words, configured, given_keys, set_keys
+from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.flags import Option
@@ -121,14 +118,13 @@ class ReefBench(CampaignFlags):
     """Keys of the mission that flags or the file set: they win over a preset."""
 
     @classmethod
-    def from_file(cls, words: Sequence[str]) -> ReefBench | None:
-        cfg, given = configured(words, mission_alone()), given_keys(words)
+    def from_file(cls, words: Sequence[str]) -> ReefBench:
+        cfg, given = configured(words, mission_alone()) or mission_alone(), given_keys(words)
+        study: Mapping[str, Any] = {}
         if "--study" in words:
-            cfg = cfg or mission_alone()
-            own_end = cfg if "stop_when_covered" in given else replace(cfg, stop_when_covered=False)
-            in_words = list(words[words.index("--study") + 1 :][:1]) == ["words"]
-            return cls(**(STUDY_IN_WORDS if in_words else STUDY), cfg=own_end, given=given)
-        return cls(cfg=cfg or mission_alone(), given=given) if given or cfg is not None else None
+            study = STUDY_IN_WORDS if list(words[words.index("--study") + 1 :][:1]) == ["words"] else STUDY
+            cfg = cfg if "stop_when_covered" in given else replace(cfg, stop_when_covered=False)
+        return cls(**study, cfg=cfg, given=given, typed=tuple(words))
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing missions, then make the tables."""
@@ -144,7 +140,15 @@ class ReefBench(CampaignFlags):
         episode = ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox)
         conditions = self._conditions(worlds)
         return run_specs(
-            self, store, specs, episode, conditions, self._command(), self._collect, "mission", self._advisor
+            self,
+            store,
+            specs,
+            episode,
+            conditions,
+            typed_command("reef bench", self),
+            self._collect,
+            "mission",
+            self._advisor,
         )
 
     def describe(self, result: Mapping[str, Any]) -> str:
@@ -211,24 +215,6 @@ class ReefBench(CampaignFlags):
         results = read_results(store, "mission", "coral reef bench")
         tables = word_tables(results.rows, half_of) or reef_tables(results.rows, results.about, results.command)
         return write_tables(store, results, tables, "Reef survey", summary)
-
-    def _command(self) -> str:
-        """Return the command that makes this campaign, without flags that do not change its results."""
-        words = ["coral", "reef", "bench", *flag_words(self, "variants", "worlds", "seeds", "advisors")]
-        words += [] if self.study is None else ["--study", *self.study]
-        words += ["--presets", self.presets] if self.presets != CLEAR else []
-        words += [word for text in self.sweep for word in ("--sweep", text)]
-        words += config_words(self.cfg, mission_alone(), self.config)
-        words += self._kept_words()
-        words += config_words(self.model, ModelCfg(), None, "model")
-        return shlex.join(words)
-
-    def _kept_words(self) -> list[str]:
-        """Return flags for what a preset must leave at its default."""
-        mission, told = to_mapping(self.cfg), config_words(self.cfg, mission_alone(), self.config)
-        keys = dict.fromkeys(key for name in self._presets for key in named(name).values if key in self.given)
-        flags = {f"--cfg.{key.replace('_', '-')}": reduce(getitem, key.split("."), mission) for key in keys}
-        return [word for flag, value in flags.items() if flag not in told for word in (flag, str(value))]
 
 
 SHOWN = ("Sweep", "Effects", "All variants", "Table I, differences", "Table II, differences")

@@ -42,6 +42,7 @@ class ReefPicture:
 
     def __call__(self) -> Mapping[str, Any]:
         from coral.config import checked
+        from coral.drawing import contact_sheet
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
         from coral.reef.pictures.mapview import png
@@ -51,7 +52,6 @@ class ReefPicture:
         from coral.reef.world.geometry import Pose
         from coral.reef.world.scene import Scene
         from coral.reef.world.water_types import JERLOV, find_water
-        from coral.view.contact_sheet import contact_sheet
 
         world, cfg = find_world(self.world), checked(self.painter, "--painter")
         names = list(JERLOV) if self.water == ("all",) else list(self.water)

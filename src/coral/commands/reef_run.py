@@ -14,11 +14,9 @@ from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person
+from coral.commands.around_run import LiveFlags, list_made, mission_notice, render, watching
 from coral.commands.config_flag import configured, given_keys, set_keys
-from coral.commands.live import LiveFlags, watching
-from coral.commands.notice import mission_notice
 from coral.commands.progress import MissionProgress
-from coral.commands.render import list_made, render
 from coral.errors import InputError
 from coral.flags import Argument, Option
 from coral.reef.drive.controller_kernels import rollout
@@ -84,8 +82,6 @@ class ReefRun:
     video: bool = False
     """Also write mission.mp4."""
     page: Annotated[LiveFlags, Option(name="")] = field(default_factory=lambda: LiveFlags(live_speed=5.0))
-    facts: bool = False
-    """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
     model: ModelCfg = field(default_factory=ModelCfg)
     """Calls of a real model, and the spending limit of the run."""
     cfg: MissionCfg = field(default_factory=MissionCfg)
@@ -124,7 +120,7 @@ class ReefRun:
             cfg = with_instruction(cfg, self.instruction, world.mission)
         folder = self.out or new_run_folder(Path("runs"), world.name)
         inbox = self.inbox or folder / RunFiles.INBOX
-        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model, facts=self.facts)
+        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model)
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(

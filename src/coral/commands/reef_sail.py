@@ -15,11 +15,10 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person
 from coral.check_line import blocking
+from coral.commands.around_run import list_made, mission_notice, render
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
-from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
-from coral.commands.render import list_made, render
 from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors, with_lens
 from coral.commands.sail_told import lens_told, survey_told
@@ -115,8 +114,6 @@ class ReefSail:
     """Show the survey in a browser, with the operator's buttons; the address goes to standard error."""
     live_port: int = 0
     """Port of the page; 0 chooses a free one."""
-    facts: bool = False
-    """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
     model: ModelCfg = field(default_factory=ModelCfg)
     """Calls of a real model, and the spending limit of the run."""
     safety: SafetyCfg = field(default_factory=SafetyCfg)
@@ -250,7 +247,7 @@ class ReefSail:
 
     def _advisor(self, folder: Path, cfg: MissionCfg) -> Any:
         inbox = self.inbox or folder / SurveyFiles.INBOX
-        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model, facts=self.facts)
+        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model)
         if self.preflight and not self.check:
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         if asks_person(self.advisor):

@@ -1,4 +1,4 @@
-"""`coral replay`: a recorded run on the live page."""
+"""`coral replay` and `coral report`: a recorded run on the live page, or its report made again."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from typing import Annotated, Any
 from coral.config import Positive, checked
 from coral.flags import Argument
 from coral.interrupts import wait_for_interrupt
+from coral.run_files import SurveyFiles, TaskFiles
 from coral.terminal import tell
+from coral.view.rendering import render_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,3 +45,23 @@ class Replay:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         return f"the page is closed; {result['duration_s']:.0f} s of {result['run']} could be watched"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """Write report.html and its pictures (map.png or keyframes.png) of a run folder again, also of a killed run."""
+
+    run: Annotated[Path, Argument(metavar="RUN")]
+    """Run folder."""
+    video: bool = False
+    """Also write the video, mission.mp4 or episode.mp4."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        made = render_run(self.run, report=True, video=self.video)
+        pictures = {"map": self.run / SurveyFiles.MAP, "keyframes": self.run / TaskFiles.KEYFRAMES}
+        return {**made, **{name: str(path) for name, path in pictures.items() if path.is_file()}}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        return "\n".join(f"{name}: {path}" for name, path in result.items())

@@ -12,8 +12,8 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
 from coral.advisor.registry import asks_person, check_advisor, rules_alone
+from coral.config import resolve_settings
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
-from coral.interface.settings import resolve_settings
 from coral.plugins import our_part
 from coral.reef.decide.own_parts import Check, Wanted
 from coral.reef.drive.controllers import MakeController

@@ -84,7 +84,7 @@ class RunResult:
             if row["event"] == event
         ]
         names = dict.fromkeys(key for row in rows for key in row)
-        return pa.table({name: _column([row.get(name) for row in rows]) for name in names})
+        return pa.table({name: column_of([row.get(name) for row in rows]) for name in names})
 
     def save(self, folder: str | Path) -> Path:
         """Copy the run folder to a new or empty one, and return it.
@@ -128,8 +128,8 @@ def read_table(path: Path) -> pa.Table:
     return csv.read_csv(path, convert_options=options)
 
 
-def _column(values: list[Any]) -> Any:
-    """Make a column; fields whose type changes between events become text."""
+def column_of(values: list[Any]) -> Any:
+    """Make a column of a table; values of several types become text."""
     import pyarrow as pa
 
     try:

@@ -11,6 +11,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
 from coral.advisor.registry import check_advisor
+from coral.config import resolve_settings
 from coral.contact.control.hand_controllers import MakeHandController
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import CostFunction, Stage, Strategy
@@ -36,7 +37,6 @@ from coral.contact.world_model.parameter_estimates import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
-from coral.interface.settings import resolve_settings
 from coral.plugins import our_part
 from coral.run_files import RunFiles
 from coral.run_loop import Observer

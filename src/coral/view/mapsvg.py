@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from coral.drawing import palette_png, png_url
 from coral.reef.decide.said import said_by
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
-from coral.reef.world.structures import solid_records
+from coral.reef.world.geometry import Label
+from coral.reef.world.scene import RECTANGLE, Scene
+from coral.reef.world.world import ReefWorld
 from coral.view.decisions import Decision, chain_at
 from coral.view.run import Record, RunFolder
 from coral.words import clock
@@ -84,9 +86,8 @@ class MapSvg:
     def _truth(self) -> tuple[str, str]:
         """Draw what is there, and above everything that would hide them, the names of its clusters."""
         parts = []
-        for obstacle in _records(solid_records(self.run.world)):
-            points = footprint(obstacle)
-            if len(points):
+        for label, points in outlines(self.run.world):
+            if label == Label.OBSTACLE:
                 parts.append(f'<path d="{self._open_path(points)}Z" class="rock"/>')
         names = []
         for cluster in _records(self.run.world.get("clusters")):
@@ -268,19 +269,22 @@ def cluster_outline(cluster: Record) -> NDArray[np.float64]:
     return np.asarray(cv2.convexHull(np.array(points, np.float32))[:, 0], np.float64)
 
 
-def footprint(obstacle: Record) -> NDArray[np.float64]:
-    """Return the outline of an obstacle on the sea floor, Shape=(M, 2) m."""
-    size = [float(s) for s in obstacle.get("size") or ()]
-    if len(size) < 2:
-        return np.zeros((0, 2))
-    yaw, x, y = (float(obstacle.get(key, 0)) for key in ("yaw", "x", "y"))
-    if obstacle.get("shape") == "box":
-        local = np.array([(size[0], size[1]), (-size[0], size[1]), (-size[0], -size[1]), (size[0], -size[1])])
-    else:
-        turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-        local = np.stack([size[0] * np.cos(turn), size[1] * np.sin(turn)], 1)
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.asarray(local @ np.array([(c, s), (-s, c)]) + (x, y), np.float64)
+def outlines(world: Record) -> list[tuple[Label, NDArray[np.float64]]]:
+    """Return what each solid of a reef is, and its closed outline on the sea floor, Shape=(M, 2) m; none of another."""
+    try:
+        scene = Scene.from_world(ReefWorld.model_validate(world))
+    except ValueError:
+        return []
+    shapes = scene.outlines(np.arange(len(scene.kind)))
+    angle = np.linspace(0.0, 2.0 * np.pi, 25)
+    rim = np.stack([np.cos(angle), np.sin(angle)], 1)
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], np.float64)
+    found = []
+    for k, label in enumerate(scene.label):
+        c, s = np.cos(shapes.yaw[k]), np.sin(shapes.yaw[k])
+        local = (corners if shapes.kind[k] == RECTANGLE else rim) * shapes.half[k]
+        found.append((Label(label), shapes.center[k] + local @ np.array([[c, s], [-s, c]])))
+    return found
 
 
 def _records(value: object) -> list[Record]:

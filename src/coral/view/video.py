@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from coral.drawing import Image, draw_text
@@ -16,7 +15,7 @@ from coral.reef.pictures.cameraview import Kind, camera_picture
 from coral.reef.pictures.mapview import MapViewCfg, draw_map
 from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
-from coral.view.mp4 import write_mp4
+from coral.view.mp4 import INK, MUTED, RED, TEAL, draw_status, write_mp4
 from coral.view.run import RunFolder, read_camera_frame
 from coral.view.runmap import scene_at, snapshot, step_at
 from coral.words import clock
@@ -30,7 +29,6 @@ LONGEST_S = 28.0
 """Maximum length of the video; a long mission plays faster."""
 FINEST_S = 0.5
 """Simulated time between two pictures of a short mission."""
-INK, MUTED, TEAL, RED, PAPER = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43), (255, 255, 255)
 
 
 def write_video(run_folder: str | Path) -> Path:
@@ -91,19 +89,16 @@ def _camera_pictures(run: RunFolder, step: int) -> Image:
 
 def _strip(canvas: Image, run: RunFolder, made: Sequence[Decision], t: float, calls: int, collisions: int) -> None:
     strip = canvas[HEIGHT - STRIP :]
-    strip[:] = (244, 246, 248)
-    strip[:2] = (214, 220, 226)
     times, coverage = run.column("t"), run.column("coverage")
     k = max(0, int(np.searchsorted(times, t + 1e-6)) - 1)
     seen = float(coverage[k]) if len(coverage) and math.isfinite(coverage[k]) else 0.0
-    for x, name, value, color in (
+    cells = (
         (16, "time", clock(t), INK),
         (116, "coverage", f"{seen:.0%}", TEAL),
         (226, "collisions", str(collisions), RED if collisions else INK),
         (336, "advisor calls", str(calls), INK),
-    ):
-        draw_text(strip, name, x, 18, size=14, color=MUTED, weight=400)
-        draw_text(strip, value, x, 46, size=26, color=color, weight=600)
+    )
+    draw_status(strip, cells, 26, t / max(run.duration_s, 1e-6))
     last = next((d for d in reversed(made) if d.t <= t + 1e-6), None)
     if last is not None:
         waiting = t < last.end_s or last.outcome == "open"
@@ -111,6 +106,3 @@ def _strip(canvas: Image, run: RunFolder, made: Sequence[Decision], t: float, ca
         asked = f"decision {last.number}: asked at {clock(last.t)} ({last.cause or 'asked'})"
         draw_text(strip, asked, 456, 18, size=14, color=MUTED, weight=400)
         draw_text(strip, state[:60], 456, 45, size=18, weight=600)
-    done = round((WIDTH - 1) * t / max(run.duration_s, 1e-6))
-    strip[-5:] = (214, 220, 226)
-    cv2.rectangle(strip, (0, STRIP - 5), (done, STRIP - 1), TEAL, -1)

@@ -1,11 +1,11 @@
 import json
 
+import pyarrow.parquet as pq
 import pytest
 import yaml
 from episodes import ANSWERS, SLIDE
 from recorded import as_attempts
 
-from coral.campaign.dataset import read_parquet
 from coral.cli import main
 
 pytestmark = [pytest.mark.slow, pytest.mark.wing("coral.erring")]
@@ -46,7 +46,7 @@ def practised(tmp_path_factory):
                 "--seeds",
                 "5",
                 "--advisors",
-                f"in-order:{said},fallible:0.3:in-order:{said}",
+                f"in-order:{said},sloppy:malformed=0.3:in-order:{said}",
                 "--out",
                 str(folder / "practice"),
                 *QUICK,
@@ -81,7 +81,7 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
         )
         == 0
     )
-    rows = read_parquet(tmp_path / "out" / "results.parquet")
+    rows = pq.read_table(tmp_path / "out" / "results.parquet").to_pylist()
     kept = len(json.loads((practice / "memory.json").read_text())["experiences"])
     assert [(row["memory_known"], row["memory_hit"], row["advisor_calls"]) for row in rows] == [(kept, True, 1)] * 2
     assert f"at the start of every trial: {kept} (" in (tmp_path / "out" / "tables.md").read_text()
@@ -99,7 +99,7 @@ def test_only_plans_with_regions_are_handed_on(practised):
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):
     _, practice = practised
     page = (practice / "tables.md").read_text()
-    spoilt = "Advisor: fallible:0.3:in-order:"
+    spoilt = "Advisor: sloppy:malformed=0.3:in-order:"
     plain = "Advisor: in-order:"
     tables = page.count("**Against CoRAL (full).**")
     assert tables == 2

@@ -4,11 +4,11 @@ import re
 
 import mujoco
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
 from config_reads import watched
-from coral.campaign.dataset import read_parquet
 from coral.cli import _parse, main
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.policy_cfg import LiberoCfg, PolicyCamerasCfg, PolicyCfg
@@ -274,7 +274,7 @@ def test_bench_tabulates_a_policy_in_the_papers_row(serve, task, tmp_path, capsy
     assert main([*words, "--variants", "none", "--policies", f"pi05={server.url}", "--json", *TINY]) == 0
     assert json.loads(capsys.readouterr().out)["done"] == 2
     assert re.search(r"pi-0\.5 +\| +0/2 ", (out / "tables.md").read_text())
-    assert [row["end_reason"] for row in read_parquet(out / "results.parquet")] == ["timeout"] * 2
+    assert [row["end_reason"] for row in pq.read_table(out / "results.parquet").to_pylist()] == ["timeout"] * 2
 
 
 @pytest.mark.slow
@@ -283,7 +283,7 @@ def test_bench_does_not_count_an_outage_against_the_policy(serve, task, tmp_path
     out = tmp_path / "bench"
     words = ["contact", "bench", "--tasks", task, "--worlds", "hand", "--seeds", "0-1", "--out", str(out), *TINY]
     assert main([*words, "--variants", "none", "--policies", f"pi05={server.url}"]) == 0
-    rows = read_parquet(out / "results.parquet")
+    rows = pq.read_table(out / "results.parquet").to_pylist()
     assert sorted(row["status"] for row in rows) == ["done", "failed"]
 
 

@@ -5,7 +5,7 @@ from coral.contact.thinker.think_cfg import DESK_S, MODEL_S, NoDecision, decisio
 
 
 @pytest.mark.parametrize(
-    ("advisor", "unset_s"), [("heuristic", MODEL_S), ("desk", DESK_S), ("fallible:0.1:desk", DESK_S)]
+    ("advisor", "unset_s"), [("heuristic", MODEL_S), ("desk", DESK_S), ("sloppy:malformed=0.1:desk", DESK_S)]
 )
 def test_a_deadline_that_was_set_stays_though_it_is_that_of_a_model(advisor, unset_s):
     assert decision_budget(BudgetCfg(), advisor).deadline_s == unset_s

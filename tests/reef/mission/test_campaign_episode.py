@@ -14,7 +14,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 pytestmark = pytest.mark.wing("coral.erring")
 
 CFG = MissionCfg(time_limit_s=10.0, latency="fixed:1")
-NAMED = {"variant": "full", "advisor": "fallible:0.7:heuristic", "seed": 4}
+NAMED = {"variant": "full", "advisor": "sloppy:malformed=0.7:heuristic", "seed": 4}
 
 
 @pytest.fixture(scope="module")

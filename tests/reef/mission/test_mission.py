@@ -156,7 +156,7 @@ def test_fail_ends_the_mission_and_says_why(pond, tmp_path):
 @pytest.mark.wing("coral.erring")
 def test_sources_add_up_to_the_goals_that_were_adopted_or_held(pond, tmp_path):
     rng = np.random.default_rng(1)
-    advisor = make_advisor("fallible:0.8:heuristic", rules=REEF_RULES, rng=rng)
+    advisor = make_advisor("sloppy:malformed=0.8:heuristic", rules=REEF_RULES, rng=rng)
     pilot = dataclasses.replace(SHORT.pilot, budget=BudgetCfg(max_requeries=1, deadline_s=7.0))
     cfg = dataclasses.replace(SHORT, pilot=pilot, latency="fixed:3", stop_when_covered=False, time_limit_s=30.0)
     result = run(pond, tmp_path / "run", advisor, cfg)

@@ -14,7 +14,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.erring.fallible import FallibleAdvisor
+from coral.erring.sloppy import Rates, SloppyAdvisor
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.report import write_contact_report
 from coral.view.contact.thought import answers, counted, seen, thoughts
@@ -33,7 +33,7 @@ def spoilt(tmp_path_factory):
     """A second of a run whose advisor errs every other time, stuck once."""
     folder = tmp_path_factory.mktemp("thought") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
-    advisor = FallibleAdvisor(RuleAdvisor(RULES), 0.5, np.random.default_rng([1, 2]))
+    advisor = SloppyAdvisor(RuleAdvisor(RULES), Rates(each={"malformed": 0.5}), np.random.default_rng([1, 2]), ())
     setup = AdvisorSetup(advisor=advisor.name, given=advisor, seed=1, folder=folder, think=COARSE.think)
     strategist = make_strategist("full", task, setup)
     Episode(sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor=advisor.name).run()

@@ -55,23 +55,21 @@ def reef_advisor(
     *,
     inbox: Path | None = None,
     model: ModelCfg | None = None,
-    facts: bool = False,
     where: str = "--advisor",
 ) -> Advisor:
     """Make the advisor of a survey as `make_advisor` does, with the reef's rules and errors.
 
-    `seed` is that of the mission. With `facts` a model gets the numbers too, whatever its configuration says.
+    `seed` is that of the mission.
 
     Raises:
         InputError: The string names no advisor, or something that it needs is missing.
     """
-    model = checked(model or ModelCfg(), "--model")
     return make_advisor(
         name,
         rules=REEF_RULES,
         rng=np.random.default_rng([seed, 7]),
         inbox=inbox,
-        cfg=dataclasses.replace(model, facts=model.facts or facts),
+        cfg=checked(model or ModelCfg(), "--model"),
         where=where,
         mistakes=known_mistakes("reef"),
     )

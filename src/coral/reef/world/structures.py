@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from operator import not_
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 TANK_SIDES = 48
 """Walls of a round tank. Their corners lie 0.2 % of the radius farther out than their middles."""
@@ -114,27 +114,6 @@ def structures(
     if tank is not None:
         found += _round(tank, floor)
     return tuple(found)
-
-
-def solid_records(world: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return all solids of the content of a world file as plain values; a broken or missing part is left out."""
-    given = world.get("obstacles")
-    records: list[Mapping[str, Any]] = [o for o in given if isinstance(o, Mapping)] if isinstance(given, list) else []
-    try:
-        parts = WorldStructures.model_validate({key: world[key] for key in ("walls", "tank") if key in world})
-        obstacles = [Obstacle.model_validate(record) for record in records]
-    except ValidationError:
-        return records
-    floor = world.get("seabed", {}).get("z_m", 0.0) if isinstance(world.get("seabed", {}), Mapping) else 0.0
-    made = structures(obstacles, parts.walls, parts.tank, float(floor))
-    return [*records, *(solid.model_dump() for solid in made)]
-
-
-class WorldStructures(WorldPart):
-    """The walls and the tank of a world."""
-
-    walls: tuple[Wall, ...] = ()
-    tank: Tank | None = None
 
 
 def _upright(

@@ -15,7 +15,7 @@ from coral.advisor.attribution import who_decided
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.scene.trial import Trial
-from coral.drawing import Image, png, webp_url
+from coral.drawing import Image, contact_sheet, png, webp_url
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
 from coral.run_files import TaskFiles
@@ -34,7 +34,6 @@ from coral.view.contact.figures import (
 )
 from coral.view.contact.replay import ReplayedScene, trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
-from coral.view.contact_sheet import contact_sheet
 from coral.view.page import metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 

@@ -100,9 +100,9 @@ def answers(run: RunFolder) -> list[Answer]:
     found = []
     for entry in run.attempts:
         spoilt = [
-            str(fault).removeprefix("spoilt-").removeprefix("sloppy-").replace("-", " ")
+            str(fault).removeprefix("sloppy-").replace("-", " ")
             for fault in entry.get("usage", {}).get("faults", ())
-            if str(fault).startswith(("spoilt-", "sloppy-"))
+            if str(fault).startswith("sloppy-")
         ]
         verdict = str(entry.get("verdict", ""))
         code = str(entry.get("code", ""))

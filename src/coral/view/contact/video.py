@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from coral.drawing import Image, draw_text
@@ -13,7 +12,7 @@ from coral.file_writer import scratch_for, writing
 from coral.run_files import TaskFiles
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
-from coral.view.mp4 import write_mp4
+from coral.view.mp4 import INK, MUTED, RED, TEAL, draw_status, write_mp4
 from coral.view.run import RunFolder
 
 WIDTH, HEIGHT = 640, 480
@@ -22,7 +21,6 @@ STRIP = 56
 FPS = 12.5
 LONGEST_S = 40.0
 """Maximum length of the video; a longer episode plays faster than real time."""
-INK, MUTED, TEAL, RED = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43)
 
 
 def write_contact_video(run_folder: str | Path) -> Path:
@@ -54,23 +52,19 @@ def pictures(run: RunFolder, scene: ReplayedScene) -> Iterator[Image]:
     rate = run.duration_s / LONGEST_S
     outcome = str(run.metrics.get("end_reason", ""))
     for t in moments(run.duration_s):
-        canvas = np.full((HEIGHT + STRIP, WIDTH, 3), 246, np.uint8)
+        canvas = np.empty((HEIGHT + STRIP, WIDTH, 3), np.uint8)
         canvas[:HEIGHT] = scene.at(t)
-        strip = canvas[HEIGHT:]
         stage = next((name for start, end, name in reversed(spans) if start <= t + 1e-6), "")
         row = max(0, int(np.searchsorted(times, t + 1e-6)) - 1)
         force = float(forces[row]) if len(forces) else 0.0
         over = t >= run.duration_s - 1e-6 and outcome
-        for x, name, value, color in (
+        cells = (
             (16, "time", f"{t:.1f} s", INK),
             (130, "stage", stage[:28], TEAL),
             (420, "force", f"{force:.1f} N" if np.isfinite(force) else "unknown", INK),
             (530, "outcome", outcome[:14] if over else "", TEAL if outcome == "success" else RED),
-        ):
-            draw_text(strip, name, x, 14, size=13, color=MUTED, weight=400)
-            draw_text(strip, value, x, 36, size=19, color=color, weight=600)
+        )
+        draw_status(canvas[HEIGHT:], cells, 19, t / max(run.duration_s, 1e-6))
         if rate > 1:
             draw_text(canvas, f"{rate:.1f}× real time", WIDTH - 10, 16, size=14, color=MUTED, anchor="rm", halo=2)
-        done = round((WIDTH - 1) * t / max(run.duration_s, 1e-6))
-        cv2.rectangle(strip, (0, STRIP - 4), (done, STRIP - 1), TEAL, -1)
         yield canvas

@@ -6,15 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.reef.decide.said import said_by
 from coral.reef.mission.metrics import OWN_MAP
-from coral.reef.world.scene import RECTANGLE, Scene
-from coral.reef.world.world import ReefWorld
 from coral.view.decisions import Try
 from coral.view.live.stream import Moment, Subject
+from coral.view.mapsvg import outlines
 from coral.view.run import Record, RunFolder
 
 TITLES = {"centroid": "Which cluster next?", "waypoint": "Where to next?", "mission": "What next for this mission?"}
@@ -49,7 +45,7 @@ class ReefSubject(Subject):
             "view": {"yaw": 0.0, "pitch": 1.05},
             "columns": COLUMNS,
             "solids": _rov(),
-            "truth": _outlines(run.world),
+            "truth": [points.round(3).tolist() for _, points in outlines(run.world)],
             "tiles": [
                 {"name": "coverage", "column": "coverage", "scale": 100, "unit": " %", "digits": 0},
                 {"name": "speed", "column": "u", "scale": 1, "unit": " m/s", "digits": 2},
@@ -183,25 +179,6 @@ def _marks(event: Record) -> Moment:
 def _chart(title: str, series: list[tuple[str, str, str, float]], bounds: list[float] | None = None) -> dict[str, Any]:
     made = [{"name": n, "column": column, "color": color, "scale": scale} for n, column, color, scale in series]
     return {"title": title, "series": made, "bounds": bounds}
-
-
-def _outlines(world: Record) -> list[list[list[float]]]:
-    """Return outlines of the true oysters and obstacles, which the robot and its advisor never see; m."""
-    try:
-        scene = Scene.from_world(ReefWorld.model_validate(world))
-    except ValueError:
-        return []
-    shapes = scene.outlines(np.arange(len(scene.kind)))
-    angle = np.linspace(0.0, 2.0 * np.pi, 25)
-    rim = np.stack([np.cos(angle), np.sin(angle)], 1)
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], np.float64)
-    found = []
-    for k in range(len(scene.kind)):
-        c, s = np.cos(shapes.yaw[k]), np.sin(shapes.yaw[k])
-        local = (corners if shapes.kind[k] == RECTANGLE else rim) * shapes.half[k]
-        turned: NDArray[np.float64] = shapes.center[k] + local @ np.array([[c, s], [-s, c]])
-        found.append(turned.round(3).tolist())
-    return found
 
 
 def _rov() -> list[dict[str, Any]]:

@@ -1,15 +1,17 @@
-"""`coral advisor show`: the exact text and pictures of a question to a model."""
+"""`coral advisor show` and `probe`: text and pictures of a question to a model, and what a model's endpoint can do."""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
+from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.prompt import FOLDER, kinds, render, version
 from coral.errors import InputError, RunError, nearest
+from coral.exit_code import ExitCode
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument
 from coral.foreign_file import parse_json, read_bytes, read_log_lines, read_text
@@ -104,3 +106,33 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
         name: folder / RunFiles.PICTURES / f"{digest}.png"
         for name, digest in zip(names, asked[-1]["pictures"], strict=True)
     }
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdvisorProbe:
+    """Ask a model a few small questions and report which output modes work and whether it sees pictures."""
+
+    model: Annotated[str, Argument(metavar="MODEL")]
+    """The model, as for --advisor: PROVIDER:MODEL or local:URL#MODEL."""
+    json: bool = False
+    """Print one JSON object."""
+    cfg: ModelCfg = field(default_factory=ModelCfg)
+    """Time-outs and retries."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        from coral.advisor.preflight import probe
+
+        return probe(self.model, self.cfg)
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        asked = {**result["modes"], **({"pictures": result["pictures"]} if result["pictures"] else {})}
+        lines = [f"  {name:<9} {one['wall_s']:6.1f} s  {one['says']}" for name, one in asked.items()]
+        if not result["recommended"]:
+            return "\n".join([result["advisor"], *lines, "  no output mode works"])
+        eyes = "" if result["pictures"]["works"] else " --model.no-pictures"
+        use = f"--advisor '{result['advisor']}' --model.output {result['recommended']}{eyes}"
+        return "\n".join([result["advisor"], *lines, f"  use it with: {use}"])
+
+    def exit_code(self, result: Mapping[str, Any]) -> int:
+        """Return a failure if the model cannot be used."""
+        return ExitCode.DONE if result["recommended"] else ExitCode.FAILED

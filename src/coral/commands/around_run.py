@@ -1,13 +1,16 @@
-"""`--live`: the flags of the page that shows a run under way."""
+"""What goes with a run where its wing is installed: live page, notice for the people at the desk, report and video."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from coral.errors import InputError
 from coral.plugins import our_part
+from coral.terminal import tell
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,3 +50,39 @@ def watching(flags: LiveFlags, system: Literal["reef", "contact"], run: Any) -> 
         run, system, port=flags.live_port, speed=flags.live_speed, wait=flags.wait
     )
     return made
+
+
+def mission_notice(
+    asks_people: bool, inbox: Path, instruct: Callable[[str, str], bool] | None = None, **about: Any
+) -> AbstractContextManager[Any]:
+    """Keep a notice in the inbox while a mission runs; None where no people are asked, or the desk is not installed.
+
+    instruct(words, by) changes the instruction of a mission in words; `about` describes the mission, in JSON values.
+    """
+    if not asks_people:
+        return nullcontext()
+    try:
+        keep = our_part("notice", "desk", "--advisor")
+    except InputError:
+        return nullcontext()
+    notice: AbstractContextManager[Any] = keep(inbox, instruct, **about)
+    return notice
+
+
+def render(folder: Path, *, report: bool, video: bool) -> dict[str, str]:
+    """Make report, with its pictures, and video of a finished run; a missing wing is told in a line."""
+    if not report and not video:
+        return {}
+    try:
+        write = our_part("rendering", "run", "report")
+    except InputError as error:
+        tell(error)
+        return {}
+    made: dict[str, str] = write(folder, report=report, video=video)
+    return made
+
+
+def list_made(result: Mapping[str, Any]) -> list[str]:
+    """Return a line for each file that people open, and one about who decided."""
+    lines = [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+    return [*lines, *([str(result["decided"])] if result.get("decided") else [])]
