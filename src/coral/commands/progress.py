@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
@@ -12,8 +12,6 @@ from coral.odd_text import printable
 from coral.words import many
 
 if TYPE_CHECKING:  # a command loads the system that it runs, not the other one
-    from coral.contact.episode.referee import Referee
-    from coral.contact.scene.trial import Trial
     from coral.reef.mission.mission import Mission
 
 
@@ -69,24 +67,11 @@ class MissionProgress(RunBar):
         self.show(mission.world.name, mission.t, mission.cfg.time_limit_s, status)
 
 
-class RunningEpisode(Protocol):
-    """The part of an episode that the bar reads, with a planner or a served policy."""
-
-    t: float
-    time_limit_s: float
-    trial: Trial
-    referee: Referee
-
-    @property
-    def stage(self) -> str:
-        """Return the name of the active stage."""
-
-
 class EpisodeProgress(RunBar):
     """The bar of a contact episode: its stage, and how many conditions hold."""
 
-    def tick(self, episode: RunningEpisode) -> None:
-        """Update the bar."""
+    def tick(self, episode: Any) -> None:
+        """Update the bar of an episode with a planner, or with a served policy."""
         holding = episode.referee.holding
         conditions = f" · {sum(holding)} of {len(holding)} conditions" if holding else ""
         status = f"{printable(episode.stage, 30)}{conditions}"

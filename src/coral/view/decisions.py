@@ -10,6 +10,17 @@ import numpy as np
 
 from coral.view.run import Record, RunFolder
 
+CAUSES = {
+    "first": "first question",
+    "distance": "near the goal",
+    "stuck": "stuck",
+    "failure": "planner failed",
+    "deviation": "off the path",
+    "own": "own trigger",
+    "instruction": "new instruction",
+}
+"""Why the advisor is asked, by the cause of a trigger."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Try:

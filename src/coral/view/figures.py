@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from coral.run_files import SurveyFiles
 from coral.view.charts import HUES, bar, curves_chart, dot, lanes_chart, svg
-from coral.view.decisions import Decision
+from coral.view.decisions import CAUSES, Decision
 from coral.view.run import RunFolder, read_table
 from coral.words import clock
 
@@ -90,15 +90,6 @@ def clearance_chart(run: RunFolder) -> str:
     return svg(axes)
 
 
-LANES = {
-    "first": "first question",
-    "distance": "near the goal",
-    "stuck": "stuck",
-    "failure": "planner failed",
-    "deviation": "off the path",
-    "own": "own trigger",
-    "instruction": "new instruction",
-}
 HELD = {
     "pending": ("a question was already open", "#c9d1d9"),
     "cooldown": ("asked too recently", "#e9b44c"),
@@ -123,8 +114,8 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
     """Draw when and why the advisor was or was not asked, its latency, and its mode."""
     triggers = run.select("trigger")
     causes = {str(event.get("cause")) for event in triggers}
-    lanes = [*(key for key in LANES if key in causes), *sorted(causes - LANES.keys())]
-    rows = [*(LANES.get(key, key) for key in lanes), "advisor thinking", "mode", "incidents"]
+    lanes = [*(key for key in CAUSES if key in causes), *sorted(causes - CAUSES.keys())]
+    rows = [*(CAUSES.get(key, key) for key in lanes), "advisor thinking", "mode", "incidents"]
     thinking, mode_lane, incidents = range(len(lanes), len(rows))
     axes = lanes_chart(run.duration_s, rows, "Triggers and decisions over time")
     held: dict[tuple[int, str], list[float]] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from coral.errors import InputError
 from coral.view.live.pace import Pace
@@ -18,16 +18,6 @@ MOST = 4.0
 Panel = dict[str, Any]
 Instruct = Callable[[str, str], bool]
 """instruct(words, by) changes the instruction of a mission in words; whether there is one."""
-
-
-class Controls(Protocol):
-    """The buttons of one kind of run."""
-
-    def panel(self, status: str) -> Panel:
-        """Return the buttons as the page draws them, for a run in this state."""
-
-    def press(self, name: str, value: Any) -> bool:
-        """Act on a button; whether there is one of this name and value."""
 
 
 class RunControls:

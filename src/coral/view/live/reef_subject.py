@@ -8,21 +8,12 @@ from typing import Any
 
 from coral.reef.decide.said import said_by
 from coral.reef.mission.metrics import OWN_MAP
-from coral.view.decisions import Try
+from coral.view.decisions import CAUSES, Try
 from coral.view.live.stream import Moment, Subject
 from coral.view.mapsvg import outlines
 from coral.view.run import Record, RunFolder
 
 TITLES = {"centroid": "Which cluster next?", "waypoint": "Where to next?", "mission": "What next for this mission?"}
-CAUSES = {
-    "distance": "the goal is near",
-    "stuck": "the robot is stuck",
-    "failure": "the planner found no way",
-    "deviation": "the robot left its path",
-    "first": "the mission began",
-    "own": "the user's own trigger fired",
-    "instruction": "the instruction was changed",
-}
 TEAL, GRAY, BLUE, RED = "#0b6470", "#969fac", "#195ae6", "#d6342c"
 CALM = ("ready", "surveying", "stopped")
 """States of the vehicle that need no attention."""

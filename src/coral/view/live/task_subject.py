@@ -13,17 +13,11 @@ from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.trial import Trial
 from coral.view.contact.replay import trial_of_run
+from coral.view.contact.thought import ASKED
 from coral.view.live.stream import Moment, Subject
 from coral.view.records import is_number
 from coral.view.run import Record, RunFolder
 
-KINDS = {
-    "physical-parameters": "masses and frictions",
-    "cost-function": "the plan",
-    "contact-regions": "where to touch",
-    "parameter-repair": "corrected masses and frictions",
-    "cost-repair": "a repaired plan",
-}
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 M_PER_N = 0.01
 """Length of the drawn force."""
@@ -94,7 +88,7 @@ class TaskSubject(Subject):
     def _on_verdict(self, event: Record) -> Moment:
         self._calls += 1
         kind, verdict = str(event.get("kind", "")), str(event.get("verdict", ""))
-        what, code, reason = KINDS.get(kind, kind), event.get("code"), str(event.get("reason") or "")
+        what, code, reason = ASKED.get(kind, kind), event.get("code"), str(event.get("reason") or "")
         answered = {"verdict": verdict, "said": what, "reason": reason, "at": event["t"]}
         return {"line": f"{verdict}: {what}{f' ({code})' if code else ''}", "answered": answered}
 

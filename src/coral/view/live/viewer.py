@@ -24,7 +24,7 @@ from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.terminal import tell
-from coral.view.live.controls import Controls
+from coral.view.live.controls import RunControls, SurveyControls
 from coral.view.live.stream import RunStream, Subject
 from coral.view.run import RunFolder, read_camera_frame, read_frame
 from coral.web import WebServer, read_json
@@ -64,7 +64,13 @@ class Viewer(WebServer):
     """Serves one run folder."""
 
     def __init__(
-        self, folder: Path, controls: Controls | None = None, *, rate: float = 10.0, port: int = 0, flag: str = "--port"
+        self,
+        folder: Path,
+        controls: RunControls | SurveyControls | None = None,
+        *,
+        rate: float = 10.0,
+        port: int = 0,
+        flag: str = "--port",
     ) -> None:
         """Open the page on this machine, of a run folder that is written or being written; port 0 chooses a free one.
 
