@@ -194,7 +194,11 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
     groups = {variant: Group(name(variant), own, full) for variant, own in found.items()}
     everything = [row for own in found.values() for row in own]
     time_note = TIME_NOTE if "dream" in found else NO_DREAM
-    tables = []
+    tables: list[Table] = []
+
+    def add(title: str, what: str, by: str, lines: Sequence[Group], columns: Sequence[Column], *notes: str) -> None:
+        tables.append(tabulate(title, f"{what} {who}", by, lines, columns, (*notes, *source)))
+
     for key, what, variants, measures, more in (
         ("I", "Baselines", TABLE_I, (COVERAGE, COVERAGE_TIME, COLLISIONS, CALLS), ()),
         ("II", "Ablations", TABLE_II, (COVERAGE, EFFICIENCY, DEVIATIONS), (COLLISIONS, CALLS)),
@@ -202,74 +206,39 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
         if not any(variant in found for variant in variants):
             continue
         shown = [variant for variant in (*variants, *BASELINES) if variant in found]
-        caption = f"{what}: means per mission beside the paper’s numbers. {who}"
-        notes = (*((time_note,) if COVERAGE_TIME in measures else ()), *PAPER["notes"][key], *source)
+        title, notes = f"Table {key}", (*((time_note,) if COVERAGE_TIME in measures else ()), *PAPER["notes"][key])
         lines = [replace(groups[variant], printed=_printed(key, variant)) for variant in shown]
-        tables.append(tabulate(f"Table {key}", caption, "variant", lines, _beside_paper(measures, more), notes))
+        beside = f"{what}: means per mission beside the paper’s numbers."
+        add(title, beside, "variant", lines, _beside_paper(measures, more), *notes)
         compared = [m for m in (*measures, *more, *INSPECTING) if any(m.of(row) is not None for row in everything)]
-        tables.append(
-            tabulate(
-                f"Table {key}, differences",
-                f"Paired differences from {name(REFERENCE)}. {who}",
-                "variant",
-                [groups[variant] for variant in shown if full and variant != REFERENCE],
-                (PAIRS, *(measure.difference() for measure in compared)),
-                (DIFFERENCE, *source),
-            )
-        )
+        others = [groups[variant] for variant in shown if full and variant != REFERENCE]
+        columns = (PAIRS, *(measure.difference() for measure in compared))
+        from_full = f"Paired differences from {name(REFERENCE)}."
+        add(f"{title}, differences", from_full, "variant", others, columns, DIFFERENCE)
+    missions = count("missions")
     if full:
         kinds = group_by(full, lambda row: str(row.get("topology")))
         lines = [
             Group(f"{kind}-shape" if kind in TABLE_III else kind, kinds[kind], printed=PAPER["III"].get(kind, {}))
             for kind in (*(kind for kind in TABLE_III if kind in kinds), *sorted(set(kinds) - set(TABLE_III)))
         ]
-        tables.append(
-            tabulate(
-                "Table III",
-                f"{name(REFERENCE)} by topology, means per mission. {who}",
-                "topology",
-                (*lines, Group("all missions", full, printed=ALL_MISSIONS)),
-                _beside_paper((COVERAGE, EFFICIENCY, CALLS), (COLLISIONS,)),
-                (LAST_LINE, *PAPER["notes"]["III"], *source),
-            )
-        )
+        lines.append(Group("all missions", full, printed=ALL_MISSIONS))
+        by_topology, notes = f"{name(REFERENCE)} by topology, means per mission.", (LAST_LINE, *PAPER["notes"]["III"])
+        beside_theirs = _beside_paper((COVERAGE, EFFICIENCY, CALLS), (COLLISIONS,))
+        add("Table III", by_topology, "topology", lines, beside_theirs, *notes)
+        worlds = [Group(world, own) for world, own in group_by(full, lambda row: row["world"]).items()]
         by_world = (COVERAGE, MISSION_TIME, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
-        tables.append(
-            tabulate(
-                "By world",
-                f"{name(REFERENCE)}, means per mission. {who}",
-                "world",
-                [Group(world, own) for world, own in group_by(full, lambda row: row["world"]).items()],
-                (count("missions"), *(measure.mean() for measure in by_world)),
-                source,
-            )
-        )
+        means = (missions, *(measure.mean() for measure in by_world))
+        add("By world", f"{name(REFERENCE)}, means per mission.", "world", worlds, means)
     judged = [g for g in groups.values() if any(row.get("inspected") is not None for row in g.rows)]
     inspection = [m for m in INSPECTION if any(m.of(row) is not None for group in judged for row in group.rows)]
-    tables.append(
-        tabulate(
-            "Inspection",
-            f"What was inspected, and how soon: means per mission. {who}",
-            "variant",
-            judged,
-            (count("missions"), *(measure.interval() for measure in inspection)),
-            (*INSPECTION_NOTES, *source),
-        )
-    )
-    tables.append(
-        tabulate(
-            "All variants",
-            f"Means per mission. {who}",
-            "variant",
-            list(groups.values()),
-            (count("missions"), *(measure.mean() for measure in EVERYTHING)),
-            (time_note, *source),
-        )
-    )
-    tables.append(
-        decided_table(list(groups.values()), f"Who decided, and what it cost. {who}", source, runs="missions")
-    )
-    return [table for table in tables if table.rows]
+    intervals = (missions, *(measure.interval() for measure in inspection))
+    seen = "What was inspected, and how soon: means per mission."
+    add("Inspection", seen, "variant", judged, intervals, *INSPECTION_NOTES)
+    means = (missions, *(measure.mean() for measure in EVERYTHING))
+    add("All variants", "Means per mission.", "variant", list(groups.values()), means, time_note)
+    decided = decided_table(list(groups.values()), f"Who decided, and what it cost. {who}", source, runs="missions")
+    return [table for table in (*tables, decided) if table.rows]
 
 
 def _beside_paper(measures: Sequence[Measure], more: Sequence[Measure]) -> list[Column]:
