@@ -7,7 +7,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from coral.campaign import version as version_module
+from coral.campaign import episode as episode_module
 from coral.campaign.episode import code_version, digest, perform
 from coral.campaign.spec import Spec
 from coral.file_writer import writing
@@ -86,7 +86,7 @@ def package(tmp_path, monkeypatch):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f"{name}\n")
-    monkeypatch.setattr(version_module, "PACKAGE", tmp_path)
+    monkeypatch.setattr(episode_module, "PACKAGE", tmp_path)
     return tmp_path
 
 

@@ -1,4 +1,6 @@
 import json
+from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from stub import Stub, completion
@@ -10,19 +12,31 @@ from coral.campaign.campaign import Summary
 from coral.campaign.spec import NO_ADVISOR, grid
 from coral.campaign.store import Store
 from coral.campaign.table import Table
-from coral.commands.campaigns import (
-    CampaignFlags,
-    collect_only,
-    describe_campaign,
-    read_results,
-    run_specs,
-    typed_command,
-    write_tables,
-)
+from coral.commands.campaigns import CampaignCommand
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError, RunError
 
 TABLE = Table("Table I", "Scores.", ("variant", "score"), (("a", "7"),))
+MADE = []
+"""What the tables were made from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Toys(CampaignCommand):
+    name, noun, title = "toy bench", "mission", "Toys"
+
+    out: Path
+    advisors: dict | None = None
+
+    def _advisor(self, name):
+        return (self.advisors or {}).get(name) or RuleAdvisor({})
+
+    def _tables(self, rows, about, command):
+        MADE[:] = [rows, command]
+        return [TABLE]
+
+    def _first_tables(self):
+        return [TABLE.name]
 
 
 @pytest.fixture
@@ -37,30 +51,18 @@ def store(tmp_path):
     return store
 
 
-def test_results_are_rows_and_records_of_done_and_failed(store):
-    results = read_results(store, "mission", "coral bench")
-    assert [(row["seed"], row["status"], row["score"]) for row in results.rows] == [(0, "done", 7), (1, "failed", None)]
-    assert [record["spec"]["seed"] for record in results.done] == [0]
-    assert results.command == "coral bench"
+def test_tables_are_made_of_what_is_recorded_and_told(store):
+    command = Toys(out=store.folder)
+    result = command._collect(store, Summary(2, 1, 1, 0))
+    rows, by = MADE
+    assert [(row["seed"], row["status"], row["score"]) for row in rows] == [(0, "done", 7), (1, "failed", None)]
+    assert by == "coral toy bench"
     assert (store.folder / "results.parquet").is_file()
-
-
-def test_a_campaign_without_a_record_has_no_results(tmp_path):
-    store = Store(tmp_path / "out")
-    with store.lock():
-        store.open(grid("toy", variants=["a"], worlds=["w"], seeds=[0], advisors=["x"]), {})
-    with pytest.raises(RunError, match=r"no mission is recorded in .*out yet"):
-        read_results(store, "mission", "coral bench")
-
-
-def test_tables_are_written_in_two_forms_and_told(store):
-    results = read_results(store, "mission", "coral bench")
-    result = write_tables(store, results, [TABLE], "Toys", Summary(2, 1, 1, 0))
     assert [result[key] for key in ("episodes", "done", "failed", "ran", "found")] == [2, 1, 1, 1, 1]
     assert result["results"][0]["rows"] == [{"variant": "a", "score": "7"}]
     for form in ("md", "html"):
         assert "Scores." in (store.folder / f"tables.{form}").read_text(encoding="utf-8")
-    told = describe_campaign(store.folder, {**result, "memory": ""}, "mission", [TABLE.name])
+    told = command.describe({**result, "memory": ""})
     assert "Table I" in told
     assert told.splitlines()[-3:] == [
         f"1 mission; 1 failed (see {store.folder / 'failures'}; --retry-failed runs them again)",
@@ -69,12 +71,22 @@ def test_tables_are_written_in_two_forms_and_told(store):
     ]
 
 
+def test_a_campaign_without_a_record_has_no_results(tmp_path):
+    store = Store(tmp_path / "out")
+    with store.lock():
+        store.open(grid("toy", variants=["a"], worlds=["w"], seeds=[0], advisors=["x"]), {})
+    with pytest.raises(RunError, match=r"no mission is recorded in .*out yet"):
+        Toys(out=store.folder)._collect_recorded()
+
+
+def begin(store, specs, **flags):
+    return Toys(out=store.folder, quiet=True, **flags)._run(specs, lambda spec, folder: {}, {"code": "1"})
+
+
 def run(store, summary, done, monkeypatch):
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: summary)
-    flags, conditions = CampaignFlags(quiet=True, preflight=False), {"code": "1"}
-    return run_specs(
-        flags, store, store.specs(), lambda *_: {}, conditions, "", lambda *_: {"done": done}, "mission", RuleAdvisor
-    )
+    monkeypatch.setattr(Toys, "_collect", lambda *_: {"done": done})
+    return begin(store, store.specs(), preflight=False)
 
 
 def test_only_a_campaign_in_which_everything_failed_is_a_failure(store, monkeypatch):
@@ -90,23 +102,20 @@ def test_an_interrupted_campaign_says_that_it_goes_on(store, capsys, monkeypatch
 
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        begin(CampaignFlags(quiet=True), store, store.specs())
+        begin(store, store.specs())
     assert capsys.readouterr().err == f"stopped; the same command continues from here ({store.folder})\n"
 
 
 def test_tables_of_recorded_episodes_alone_need_a_campaign(store, tmp_path):
-    assert collect_only(store.folder, lambda held, summary: {"of": held.folder, "ran": summary}) == {
-        "of": store.folder,
-        "ran": None,
-    }
+    assert Toys(out=store.folder)._collect_recorded()["ran"] == 0
     with pytest.raises(InputError, match="no campaign"):
-        collect_only(tmp_path / "nothing", lambda *_: {})
+        Toys(out=tmp_path / "nothing")._collect_recorded()
 
 
 def test_the_command_is_told_as_it_was_typed_without_what_changes_nothing():
     words = ("--seeds", "0-4", "--jobs=8", "--sweep", "current=0,1", "--sweep", "visibility=3", "--quiet", "--out", "x")
     words += ("--cfg.no-stop-when-covered", "--cfg.time-limit-s", "60")
-    assert typed_command("reef bench", ReefBench(typed=words)) == (
+    assert ReefBench(typed=words)._command() == (
         "coral reef bench --seeds 0-4 --sweep current=0,1 --sweep visibility=3 --cfg.time-limit-s 60 "
         "--cfg.no-stop-when-covered"
     )
@@ -115,13 +124,7 @@ def test_the_command_is_told_as_it_was_typed_without_what_changes_nothing():
 @pytest.mark.parametrize("jobs", [0, -3])
 def test_there_is_at_least_one_worker(store, jobs):
     with pytest.raises(InputError, match=f"--jobs: found {jobs}"):
-        begin(CampaignFlags(quiet=True, jobs=jobs), store, store.specs())
-
-
-def begin(flags, store, specs, make=lambda name: RuleAdvisor({})):
-    return run_specs(
-        flags, store, specs, lambda spec, folder: {}, {"code": "1"}, "", lambda *_: {"done": 1}, "mission", make
-    )
+        begin(store, store.specs(), jobs=jobs)
 
 
 @pytest.fixture
@@ -145,16 +148,19 @@ def asked(tmp_path, model, refusing, monkeypatch):
     """Asks the models of a campaign's episodes; returns the advisors that were made for it."""
     cfg = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0, backoff_s=0.0, max_retries=0, format_repairs=0)
 
-    def ask(specs, **options):
-        made = []
-
-        def make(name):
+    class Asked(dict):
+        def get(self, name):
             made.append(name)
             servers = {"good": model, "bad": refusing}
-            return ModelAdvisor.local(servers[name].url, name, cfg) if name in servers else RuleAdvisor({})
+            return ModelAdvisor.local(servers[name].url, name, cfg) if name in servers else None
 
+    made = []
+
+    def ask(specs, **options):
+        made.clear()
         monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: Summary(0, 0, 0, 0))
-        begin(CampaignFlags(quiet=True, **options), Store(tmp_path / "out"), specs, make)
+        monkeypatch.setattr(Toys, "_collect", lambda *_: {"done": 1})
+        begin(Store(tmp_path / "out"), specs, advisors=Asked(any=1), **options)
         return made
 
     return ask

@@ -15,18 +15,12 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person
 from coral.campaign.campaign import Summary
 from coral.campaign.contact_tables import contact_tables
+from coral.campaign.dataset import Row
 from coral.campaign.episode import code_version, digest
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import CampaignFiles, Store
-from coral.commands.campaigns import (
-    CampaignFlags,
-    collect_only,
-    describe_campaign,
-    read_results,
-    run_specs,
-    typed_command,
-    write_tables,
-)
+from coral.campaign.table import Table
+from coral.commands.campaigns import CampaignCommand
 from coral.commands.config_flag import configured
 from coral.commands.contact_run import TRACKER_HELP
 from coral.config import to_mapping
@@ -94,11 +88,13 @@ def episode_alone() -> EpisodeCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactBench(CampaignFlags):
+class ContactBench(CampaignCommand):
     """Compare variants of the contact pipeline over tasks, evaluation worlds and seeds.
 
     The same command continues a stopped campaign; a larger grid in the same folder extends it.
     """
+
+    name, noun, title = "contact bench", "episode", "Contact tasks"
 
     variants: str = "expert,expert-fsm"
     """Variants, separated by commas; none for policies only."""
@@ -124,7 +120,6 @@ class ContactBench(CampaignFlags):
     """Fallback when an advisor does not decide: hold (the default: nothing else decides, and the episode ends),
     fail, or prior, whose rows are marked."""
     out: Path = Path("runs/contact-bench")
-    """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     model: ModelCfg = field(default_factory=contact_model)
@@ -141,8 +136,7 @@ class ContactBench(CampaignFlags):
         if self.fallback is not None:
             return dataclasses.replace(self, cfg=resolve_episode(self.cfg, fallback=self.fallback), fallback=None)()
         if self.collect:
-            return collect_only(self.out, self._collect)
-        store = Store(self.out)
+            return self._collect_recorded()
         names = named_tasks(self.tasks)
         tasks = {name: load_task(name) for name in names}
         cfg = resolve_episode(self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker)
@@ -153,23 +147,12 @@ class ContactBench(CampaignFlags):
         if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
-        return run_specs(
-            self,
-            store,
-            specs,
-            episode,
-            conditions,
-            typed_command("contact bench", self),
-            self._collect,
-            "episode",
-            self._advisor,
-        )
+        return self._run(specs, episode, conditions)
 
-    def describe(self, result: Mapping[str, Any]) -> str:
-        return describe_campaign(self.out, result, "episode", ("Table 1, success", "Against"))
+    def _first_tables(self) -> Sequence[str]:
+        return "Table 1, success", "Against"
 
     def _advisor(self, name: str) -> Advisor:
-        """Make the advisor of a row, as far as it can be checked here."""
         return contact_advisor(name, self.model, where="--advisors")
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
@@ -225,10 +208,10 @@ class ContactBench(CampaignFlags):
         }
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
-        results = read_results(store, "episode", "coral contact bench")
-        tables = contact_tables(results.rows, results.about, results.command)
-        result = write_tables(store, results, tables, "Contact tasks", summary)
-        return {**result, "memory": self._export_memories(store)}
+        return {**super()._collect(store, summary), "memory": self._export_memories(store)}
+
+    def _tables(self, rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
+        return contact_tables(rows, about, command)
 
     def _export_memories(self, store: Store) -> str:
         """Export the new experiences of all trials of `full`, in order, as one file; "" if there are none.

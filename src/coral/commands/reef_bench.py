@@ -11,21 +11,13 @@ from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, rules_alone
-from coral.campaign.campaign import Summary
+from coral.campaign.dataset import Row
 from coral.campaign.episode import code_version, digest
 from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables, word_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
-from coral.campaign.store import Store
 from coral.campaign.sweep import PRESET, parse_sweeps, with_presets
-from coral.commands.campaigns import (
-    CampaignFlags,
-    collect_only,
-    describe_campaign,
-    read_results,
-    run_specs,
-    typed_command,
-    write_tables,
-)
+from coral.campaign.table import Table
+from coral.commands.campaigns import CampaignCommand
 from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.config import checked, to_mapping
 from coral.errors import InputError
@@ -79,11 +71,13 @@ def mission_alone() -> MissionCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReefBench(CampaignFlags):
+class ReefBench(CampaignCommand):
     """Compare variants of the reef survey over worlds, seeds and advisors.
 
     The same command continues a stopped campaign; a larger grid in the same folder extends it.
     """
+
+    name, noun, title = "reef bench", "mission", "Reef survey"
 
     variants: str = "dream,pd,full,blind-sweep,random,oracle"
     """Variants, separated by commas."""
@@ -107,7 +101,6 @@ class ReefBench(CampaignFlags):
     """Fallback when an advisor does not decide: hold (the default: nothing else decides), fail (the mission ends),
     or rules, whose rows are marked."""
     out: Path = Path("runs/bench")
-    """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     model: ModelCfg = field(default_factory=ModelCfg)
@@ -133,27 +126,15 @@ class ReefBench(CampaignFlags):
         if self.study not in (None, (), ("words",)):
             raise InputError("--study", "", " ".join(self.study or ()), "words, or nothing")
         if self.collect:
-            return collect_only(self.out, self._collect)
-        store, names = Store(self.out), expand_names(parse_names(self.worlds, "--worlds"))
+            return self._collect_recorded()
+        names = expand_names(parse_names(self.worlds, "--worlds"))
         worlds = {name: find_world(name) for name in names}
         specs = self._specs(worlds)
         episode = ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox)
-        conditions = self._conditions(worlds)
-        return run_specs(
-            self,
-            store,
-            specs,
-            episode,
-            conditions,
-            typed_command("reef bench", self),
-            self._collect,
-            "mission",
-            self._advisor,
-        )
+        return self._run(specs, episode, self._conditions(worlds))
 
-    def describe(self, result: Mapping[str, Any]) -> str:
-        shown = SHOWN if len(parse_names(self.variants, "--variants")) > 1 else SHOWN_OF_ONE
-        return describe_campaign(self.out, result, "mission", shown)
+    def _first_tables(self) -> Sequence[str]:
+        return SHOWN if len(parse_names(self.variants, "--variants")) > 1 else SHOWN_OF_ONE
 
     @property
     def _keep(self) -> frozenset[str]:
@@ -164,7 +145,6 @@ class ReefBench(CampaignFlags):
         return tuple(named(name).name for name in parse_names(self.presets, "--presets"))
 
     def _advisor(self, name: str) -> Advisor:
-        """Make the advisor of a row, as far as it can be checked here."""
         return reef_advisor(name, inbox=self.inbox, model=self.model, where="--advisors")
 
     def _check_desk(self, advisor: str) -> None:
@@ -211,10 +191,8 @@ class ReefBench(CampaignFlags):
             **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()},
         }
 
-    def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
-        results = read_results(store, "mission", "coral reef bench")
-        tables = word_tables(results.rows, half_of) or reef_tables(results.rows, results.about, results.command)
-        return write_tables(store, results, tables, "Reef survey", summary)
+    def _tables(self, rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
+        return word_tables(rows, half_of) or reef_tables(rows, about, command)
 
 
 SHOWN = ("Sweep", "Effects", "All variants", "Table I, differences", "Table II, differences")
