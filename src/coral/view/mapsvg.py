@@ -270,11 +270,16 @@ def cluster_outline(cluster: Record) -> NDArray[np.float64]:
 
 
 def outlines(world: Record) -> list[tuple[Label, NDArray[np.float64]]]:
-    """Return what each solid of a reef is, and its closed outline on the sea floor, Shape=(M, 2) m; none of another."""
+    """Return `solid_outlines` of the content of a world file; none where it is no reef."""
     try:
-        scene = Scene.from_world(ReefWorld.model_validate(world))
+        return solid_outlines(ReefWorld.model_validate(world))
     except ValueError:
         return []
+
+
+def solid_outlines(world: ReefWorld) -> list[tuple[Label, NDArray[np.float64]]]:
+    """Return what each solid of a reef is, and its closed outline on the sea floor, Shape=(M, 2) m."""
+    scene = Scene.from_world(world)
     shapes = scene.outlines(np.arange(len(scene.kind)))
     angle = np.linspace(0.0, 2.0 * np.pi, 25)
     rim = np.stack([np.cos(angle), np.sin(angle)], 1)

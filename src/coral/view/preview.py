@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from coral.odd_text import printable
-from coral.reef.world.world import Obstacle, ReefWorld
+from coral.reef.world.geometry import Label
+from coral.reef.world.world import ReefWorld
+from coral.view.mapsvg import solid_outlines
 
 SEABED, OYSTER, OTHER, ROCK = "#f1ead8", "#2f9e4f", "#8a5526", "#2b2b2b"
 SPINE, START, FLOW, INK = "#8fb3c9", "#d1342b", "#1f5fb0", "#26302a"
@@ -72,7 +74,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
 
 def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> None:
     from matplotlib.collections import PatchCollection
-    from matplotlib.patches import Ellipse, Rectangle
+    from matplotlib.patches import Ellipse, Polygon, Rectangle
     from matplotlib.patheffects import withStroke
 
     width, height = world.size_m
@@ -88,9 +90,8 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
     if others := [(o.x, o.y) for group in (*world.alike, *world.lying) for o in group.oysters]:
         axes.scatter(*np.array(others).T, s=2, color=OTHER, zorder=2)
-    axes.add_collection(
-        PatchCollection([_outline(o) for o in world.solids], facecolor=ROCK, edgecolor="none", zorder=3)
-    )
+    rocks = [Polygon(points) for label, points in solid_outlines(world) if label == Label.OBSTACLE]
+    axes.add_collection(PatchCollection(rocks, facecolor=ROCK, edgecolor="none", zorder=3))
     style: dict[str, Any] = {"ha": "center", "color": INK, "path_effects": halo}
     for thing in world.things if numbers else ():
         axes.plot(thing.x, thing.y, "D", color=OTHER, markersize=4, markeredgecolor="white", zorder=4)
@@ -149,14 +150,3 @@ def _legend(worlds: Sequence[ReefWorld]) -> list[Any]:
         mark(FLOW, "$→$", "current"),
         Line2D([], [], color=SPINE, linestyle="--", label="line of growth"),
     ]
-
-
-def _outline(obstacle: Obstacle) -> Any:
-    from matplotlib.patches import Ellipse, Rectangle
-
-    a, b, _ = obstacle.size
-    if obstacle.shape == "box":
-        c, s = math.cos(obstacle.yaw), math.sin(obstacle.yaw)
-        corner = (obstacle.x - c * a + s * b, obstacle.y - s * a - c * b)
-        return Rectangle(corner, 2 * a, 2 * b, angle=math.degrees(obstacle.yaw))
-    return Ellipse((obstacle.x, obstacle.y), 2 * a, 2 * b, angle=math.degrees(obstacle.yaw))
