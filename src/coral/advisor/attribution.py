@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 from coral.advisor.consult import Attempt, Verdict
@@ -46,60 +45,8 @@ def source_of(advisor: Any) -> Source:
     return source
 
 
-@dataclass(frozen=True, kw_only=True)
-class Attribution:
-    """Counts of a run's decisions by source. `decided` and `heard` return a copy with one more.
-
-    `Ledger` holds the spending of a single model, and its limits; this counts a whole run with all its advisors.
-    """
-
-    decided_by: Mapping[Source, int] = field(default_factory=lambda: dict.fromkeys(SOURCES, 0))
-    answers: Mapping[Fate, int] = field(default_factory=lambda: dict.fromkeys(FATES, 0))
-    tokens_in: int | None = 0
-    """None once a reply did not report them; likewise the other two."""
-    tokens_out: int | None = 0
-    cost_usd: float | None = 0.0
-    thinking_s: float = 0.0
-
-    def decided(self, source: Source) -> Attribution:
-        """Count one more decision."""
-        return replace(self, decided_by={**self.decided_by, source: self.decided_by[source] + 1})
-
-    def heard(self, verdict: Verdict, cost: Spent, seconds: float) -> Attribution:
-        """Count one more question by its verdict."""
-        fate = _FATE.get(verdict)
-        return replace(
-            self,
-            answers=self.answers if fate is None else {**self.answers, fate: self.answers[fate] + 1},
-            tokens_in=_sum(self.tokens_in, cost.tokens_in),
-            tokens_out=_sum(self.tokens_out, cost.tokens_out),
-            cost_usd=_sum(self.cost_usd, cost.cost_usd),
-            thinking_s=self.thinking_s + seconds,
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the keys of `metrics.json`."""
-        return {
-            "decided_by": dict(self.decided_by),
-            "answers": dict(self.answers),
-            "tokens_in": self.tokens_in,
-            "tokens_out": self.tokens_out,
-            "cost_usd": None if self.cost_usd is None else round(self.cost_usd, 6),
-            "thinking_s": round(self.thinking_s, 3),
-        }
-
-
-@dataclass(frozen=True)
-class Spent:
-    """Cost of one attempt, as far as it is known."""
-
-    tokens_in: int | None = None
-    tokens_out: int | None = None
-    cost_usd: float | None = None
-
-
-def spent(attempt: Attempt) -> Spent:
-    """Compute the cost of an attempt.
+def spent(attempt: Attempt) -> dict[str, float | None]:
+    """Compute the cost of an attempt: `tokens_in`, `tokens_out` and `cost_usd`, None as far as it is unknown.
 
     A reply over the wire without a token count is unreported, and so is one with a price of nothing. Without a request
     (rules), or without an answered one, nothing was spent.
@@ -107,32 +54,40 @@ def spent(attempt: Attempt) -> Spent:
     usage: Usage = attempt.usage
     replied = usage.requests > 0 and attempt.verdict in ("accepted", "rejected", "malformed")
     told = not replied or usage.input_tokens + usage.output_tokens > 0
-    return Spent(
-        tokens_in=usage.input_tokens if told else None,
-        tokens_out=usage.output_tokens if told else None,
-        cost_usd=usage.cost_usd if usage.cost_usd or not replied else None,
-    )
+    return {
+        "tokens_in": usage.input_tokens if told else None,
+        "tokens_out": usage.output_tokens if told else None,
+        "cost_usd": usage.cost_usd if usage.cost_usd or not replied else None,
+    }
 
 
-def attribution_of(events: Iterable[Mapping[str, Any]]) -> Attribution:
-    """Count the decisions of a run, or of one of its robots, by source.
+def attribution_of(events: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Count the decisions of a run, or of one of its robots, by source; return the metrics that `DEFINITIONS` explains.
 
     A decision is an event that says what was `decided` (poses, parameters, plan, regions, repair, an adopted
     correction), or a goal that was adopted (`goal`) or kept because no new one was found (`held`). The decisions of one
     answer, or of one remembered plan, count once; a missing one that ended the run is the fallback's. The initial
     waypoint, a withdrawn question, and one that found nothing left to explore are no decisions.
     """
-    found = Attribution()
+    decided_by, answers = dict.fromkeys(SOURCES, 0), dict.fromkeys(FATES, 0)
+    costs: dict[str, Any] = {"tokens_in": 0, "tokens_out": 0, "cost_usd": 0.0}
+    thinking_s = 0.0
     for event in events:
         if event["event"] == "verdict":
-            cost = Spent(*(event.get(name) for name in ("tokens_in", "tokens_out", "cost_usd")))
+            if (fate := _FATE.get(event["verdict"])) is not None:
+                answers[fate] += 1
+            for name, total in costs.items():
+                amount = event.get(name)
+                costs[name] = None if total is None or amount is None else total + amount
             waited_s = float(event["t"]) - float(event["asked_at"]) if "asked_at" in event else 0.0
-            found = found.heard(event["verdict"], cost, float(event.get("thinking_s", waited_s)))
+            thinking_s += float(event.get("thinking_s", waited_s))
         elif event.get("decided") is not None or (
             event["event"] in ("goal", "held") and event.get("decision") is not None
         ):
-            found = found.decided(event["source"])
-    return found
+            decided_by[event["source"]] += 1
+    if costs["cost_usd"] is not None:
+        costs["cost_usd"] = round(costs["cost_usd"], 6)
+    return {"decided_by": decided_by, "answers": answers, **costs, "thinking_s": round(thinking_s, 3)}
 
 
 def who_decided(
@@ -162,7 +117,3 @@ def who_decided(
         called.pop("recording")
     others = [text.format(by[key]) for key, text in called.items() if by.get(key)]
     return ", ".join([f"{advisor} decided {own} of {total} {things}", *others])
-
-
-def _sum(a: Any, b: Any) -> Any:
-    return None if a is None or b is None else a + b

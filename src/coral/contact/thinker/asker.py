@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -117,7 +116,7 @@ class Asker:
             verdict=attempt.verdict,
             code="" if refusal is None else refusal.code,
             thinking_s=round(attempt.answered_at_s - attempt.asked_at_s, 6),
-            **dataclasses.asdict(spent(attempt)),
+            **spent(attempt),
             **({"faults": list(faults)} if faults else {}),
         )
 

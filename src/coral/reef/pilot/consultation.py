@@ -169,7 +169,7 @@ class Consultation:
             reason=refusal.reason if refusal else "",
             answer=attempt.answer,
             asked_at=round(attempt.asked_at_s, 3),
-            **asdict(spent(attempt)),
+            **spent(attempt),
             **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
         )
         if attempt.verdict in ("accepted", "rejected", "malformed"):
