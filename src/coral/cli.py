@@ -89,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its `ExitCode`."""
     with orderly_termination() as received:
         code = _run(list(sys.argv[1:] if argv is None else argv))
-    return received.exit_code(code)
+    return ExitCode.SIGNALLED + received[0] if received else code
 
 
 def _run(words: Sequence[str]) -> int:

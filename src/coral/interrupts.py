@@ -10,11 +10,9 @@ import contextlib
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from types import FrameType
 from typing import Any
 
-from coral.exit_code import ExitCode
 from coral.terminal import tell
 
 ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -144,29 +142,17 @@ class Terminated(KeyboardInterrupt):
         super().__init__(f"stopped by {signal.Signals(number).name}")
 
 
-@dataclass
-class Received:
-    """The signal that ended the command."""
-
-    number: int = 0
-    """0 without a signal."""
-
-    def exit_code(self, code: int) -> int:
-        """Return `ExitCode.SIGNALLED` plus the number of the signal, as in shells; `code` without a signal."""
-        return ExitCode.SIGNALLED + self.number if self.number else code
-
-
 @contextlib.contextmanager
-def orderly_termination() -> Iterator[Received]:
-    """Raise `Terminated` in the main thread at the first SIGTERM or SIGHUP; ignore later ones.
+def orderly_termination() -> Iterator[list[int]]:
+    """Raise `Terminated` in the main thread at the first SIGTERM or SIGHUP, whose number is kept; ignore later ones.
 
     A signal with a handler is left alone: `nohup` ignores SIGHUP, a host program may have its own handler.
     """
-    received = Received()
+    received: list[int] = []
 
     def end(number: int, frame: FrameType | None) -> None:
-        if not received.number:
-            received.number = number
+        if not received:
+            received.append(number)
             raise Terminated(number)
 
     main = threading.current_thread() is threading.main_thread()
