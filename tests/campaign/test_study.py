@@ -99,7 +99,7 @@ def test_a_mission_that_never_gets_there_counts_with_the_horizon():
     assert [RESTRICTED.of(row) for row in (never, late, soon)] == [600.0, 600.0, 90.0]
     assert RESTRICTED.of({}) is None
     own = [row for row in ROWS if row["variant"] == "no-verification" and row["overrides"] != "{}"]
-    assert RESTRICTED.mean().text(Group("", own[:3])) == "600"
+    assert RESTRICTED.mean().text(Group("", own[:3])).startswith("600")
 
 
 def test_effects_put_all_conditions_side_by_side():

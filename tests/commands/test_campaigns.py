@@ -25,11 +25,10 @@ MADE = []
 class Toys(CampaignCommand):
     name, noun, title = "toy bench", "mission", "Toys"
 
-    out: Path
-    advisors: dict | None = None
+    out: Path = Path("toys")
 
     def _advisor(self, name):
-        return (self.advisors or {}).get(name) or RuleAdvisor({})
+        return RuleAdvisor({})
 
     def _tables(self, rows, about, command):
         MADE[:] = [rows, command]
@@ -148,19 +147,19 @@ def asked(tmp_path, model, refusing, monkeypatch):
     """Asks the models of a campaign's episodes; returns the advisors that were made for it."""
     cfg = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0, backoff_s=0.0, max_retries=0, format_repairs=0)
 
-    class Asked(dict):
-        def get(self, name):
-            made.append(name)
-            servers = {"good": model, "bad": refusing}
-            return ModelAdvisor.local(servers[name].url, name, cfg) if name in servers else None
-
     made = []
+
+    def make(_, name):
+        made.append(name)
+        servers = {"good": model, "bad": refusing}
+        return ModelAdvisor.local(servers[name].url, name, cfg) if name in servers else RuleAdvisor({})
 
     def ask(specs, **options):
         made.clear()
         monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: Summary(0, 0, 0, 0))
         monkeypatch.setattr(Toys, "_collect", lambda *_: {"done": 1})
-        begin(Store(tmp_path / "out"), specs, advisors=Asked(any=1), **options)
+        monkeypatch.setattr(Toys, "_advisor", make)
+        begin(Store(tmp_path / "out"), specs, **options)
         return made
 
     return ask

@@ -40,7 +40,7 @@ def test_events_become_lines_and_numbers(subject):
         "pictures": ["ab", "/"],
     }
     asked = subject.tell(question)
-    assert asked["asked"]["cause"] == "the robot is stuck"
+    assert asked["asked"]["cause"] == "stuck"
     assert (asked["dots"], asked["pictures"]) == ([["2", 1.0, 3.0, True]], ["ab"])
     assert ["advisor calls", "1 (1 again)", ""] in asked["numbers"]
     answer = {"selected_centroid_index": 2, "reason": "near"}

@@ -36,7 +36,7 @@ def test_a_recorded_task_is_told_with_its_terms(recorded_task, subject):
 
 def test_events_become_lines(subject):
     told = subject.tell({"event": "verdict", "t": 1, "kind": "cost-function", "verdict": "rejected", "code": "slow"})
-    assert told["line"] == "rejected: the plan (slow)"
+    assert told["line"] == "rejected: the cost (slow)"
     assert subject.tell({"event": "contact", "t": 1, "step": 2, "first": "box", "second": "table"}) is None
     assert (
         subject.tell({"event": "contact", "t": 1, "step": 2, "first": "left", "second": "box"})["line"]
