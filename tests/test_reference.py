@@ -15,7 +15,6 @@ from coral.cli import COMMANDS
 from coral.contact.franka.stream import StopCause
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.tasks import load_task
-from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
 from coral.reef.sea.operator import WORDS, Word
 from coral.reef.sea.transport import FORMS, Medium
 from coral.surface import load
@@ -128,7 +127,6 @@ def test_every_topic_of_ros_has_a_row():
 @pytest.mark.parametrize(
     ("kinds", "rows"),
     [
-        (get_args(Diagnosis), TEXTS),
         (get_args(Word), WORDS),
         (get_args(Medium), [form.split(":")[1] for form in FORMS]),
         (set(StopCause) - {StopCause.NONE}, STOP_CODES),
