@@ -12,12 +12,10 @@ from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sens
 from coral.errors import InputError
 from coral.lens import Lens
 from coral.reef.eyes.reef_net import ReefNetEyes
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.recorded_camera import RecordedCamera
-from coral.reef.sea.safety import SafetyCfg
 from coral.reef.vehicle.camera import CameraCfg
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
@@ -179,8 +177,10 @@ def watched(monkeypatch):
         monkeypatch.setattr(sail_parts, "time", SimpleNamespace(monotonic=lambda: now[0], sleep=sleep))
         monkeypatch.setattr(sail_parts, "preflight_list", lines)
         link = SimpleNamespace(report=VehicleReport)
-        parts = SimpleNamespace(link=link, camera=SimpleNamespace(rate_hz=10.0), sonar=None, place=lambda: None)
-        return watch_sensors(parts, None, SafetyCfg(), None, SonarCfg()), now[0] - 100.0
+        parts = SimpleNamespace(
+            link=link, camera=SimpleNamespace(rate_hz=10.0), sonar=None, area=None, place=lambda: None
+        )
+        return watch_sensors(parts, None, None), now[0] - 100.0
 
     return watch
 

@@ -171,17 +171,14 @@ class ReefSail:
             pose_source=parts.pose_source,
             advisor=advisor.name,
             folder=str(folder),
-            time_limit_s=cfg.time_limit_s,
-            perception=cfg.perception,
-            instruction=cfg.planner.instruction.text,
             judged=parts.reef is not None
             and text is not None
             and text.instruction.strip() == cfg.planner.instruction.text,
             heading_trusted=parts.trust_heading,
             resumed="" if self.resume is None else f"{self.resume}, {many(len(landmarks.centres), 'landmark')}",
         )
-
-        lines = watch_sensors(parts, area, self.safety, equipment, cfg.simulator.sonar)
+        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
+        lines = watch_sensors(parts, sail, equipment)
         for line in lines:
             self._say(str(line))
         wrong = blocking(lines)
@@ -189,7 +186,6 @@ class ReefSail:
             return {"ready": not wrong, "preflight": [str(line).strip() for line in lines]}
         if wrong:
             raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
-        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "sonar": self.sonar}
         about |= {"resumed": str(self.resume)} if self.resume is not None else {}
         mission = SeaMission(area, sail, crew, folder, belief=belief, landmarks=landmarks, seed=self.seed, about=about)

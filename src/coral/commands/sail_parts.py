@@ -21,7 +21,7 @@ from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
 from coral.reef.eyes.perception import RgbPerception
-from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
+from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
@@ -33,7 +33,7 @@ from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
-from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.transport import parse_address
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
@@ -317,9 +317,7 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
     return UdpSonar(int(port) if port else SONAR_PORT, interface or "0.0.0.0")
 
 
-def watch_sensors(
-    parts: Parts, area: SurveyArea, safety: SafetyCfg, equipment: Equipment, sonar: SonarCfg
-) -> list[CheckLine]:
+def watch_sensors(parts: Parts, cfg: SailCfg, equipment: Equipment) -> list[CheckLine]:
     """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
     rates, began = StampRates(), time.monotonic()
 
@@ -334,7 +332,7 @@ def watch_sensors(
             parts.place()
             time.sleep(0.02)
         now, report = time.monotonic(), parts.link.report()
-        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment, parts.sonar, sonar)
+        lines = preflight_list(now, report, rates, parts.camera, parts.area, cfg, equipment, parts.sonar)
         waits = [line for line in blocking(lines) if line.subject in AWAITED]
         if not waits or now - began > PATIENCE_S:
             return lines

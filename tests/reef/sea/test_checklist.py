@@ -5,13 +5,16 @@ import pytest
 
 from coral.check_line import blocking
 from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot
-from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.world.geometry import Frame, Pose
 
@@ -21,9 +24,9 @@ GEAR = Equipment(
     pose_source="DVL A50",
     advisor="heuristic",
     folder="runs/tank-001",
-    time_limit_s=600.0,
     heading_trusted=True,
 )
+MISSION = MissionCfg(simulator=SimulatorCfg(sonar=SonarCfg(width=8, height=4)))
 NOW = 100.0
 FINE = VehicleReport(
     pose=Pose(0.0, 0.0, 0.0),
@@ -57,16 +60,15 @@ class Source:
     def close(self): ...
 
 
-def listed(report=FINE, labelled=True, rgb=None, shots=1, sonar=None, gear=GEAR, safety=None):
+def listed(report=FINE, labelled=True, rgb=None, shots=1, sonar=None, gear=GEAR, safety=None, words=""):
     rates = StampRates()
     for k in range(21):
         rates.note(NOW - 2.0 + 0.125 * k, replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
     camera = LatestShot(Source(labelled, rgb), threaded=False)
     for _ in range(shots):
         camera.step()
-    lines = preflight_list(
-        NOW, report, rates, camera, AREA, safety or SafetyCfg(), gear, sonar, SonarCfg(width=8, height=4)
-    )
+    cfg = SailCfg(mission=with_instruction(MISSION, words, None) if words else MISSION, safety=safety or SafetyCfg())
+    lines = preflight_list(NOW, report, rates, camera, AREA, cfg, gear, sonar)
     return {line.subject: line for line in lines}, lines
 
 
@@ -80,9 +82,9 @@ def test_a_line_says_source_rate_and_covariance():
 
 def test_the_instruction_is_one_line_that_says_who_judges():
     assert "instruction" not in listed()[0]
-    words = replace(GEAR, instruction="Find the net.\nKeep off.")
-    assert str(listed(gear=words)[0]["instruction"]) == "  instruction: Find the net. Keep off. - nobody judges it"
-    judged = listed(gear=replace(words, judged=True))[0]["instruction"]
+    words = "Find the net.\nKeep off."
+    assert str(listed(words=words)[0]["instruction"]) == "  instruction: Find the net. Keep off. - nobody judges it"
+    judged = listed(words=words, gear=replace(GEAR, judged=True))[0]["instruction"]
     assert judged.text.endswith("judged by the truth of the simulated reef")
 
 
@@ -144,7 +146,7 @@ def test_a_black_picture_arms_nothing():
 def test_a_rate_that_is_not_known_is_no_slow_one():
     camera = LatestShot(Source(), threaded=False)
     camera.step()
-    lines = preflight_list(NOW, FINE, StampRates(), camera, AREA, SafetyCfg(), GEAR)
+    lines = preflight_list(NOW, FINE, StampRates(), camera, AREA, SailCfg(), GEAR)
     by_name = {line.subject: str(line) for line in lines}
     assert by_name["pose"] == "  pose: DVL A50, rate not known, standard deviation 0.02 m"
     assert "rate not known" in by_name["camera"]

@@ -11,7 +11,7 @@ from coral.reef.pilot.checks import UnfitMeasurement, check_colours, check_range
 from coral.reef.sea.latest_reading import KEPT, HeardImage, LatestReading, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
-from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.world.geometry import wrap
 
@@ -49,13 +49,8 @@ class Equipment:
     """Such as "autopilot"."""
     advisor: str
     folder: str
-    time_limit_s: float
-    perception: str = "exact"
-    """Where classes and depth come from."""
-    instruction: str = ""
-    """Of a mission in words; "" without one."""
     judged: bool = False
-    """Whether its conditions are known, and the truth."""
+    """Whether the conditions of a mission in words are known, and the truth."""
     heading_trusted: bool
     """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
     resumed: str = ""
@@ -68,20 +63,21 @@ def preflight_list(
     rates: StampRates,
     camera: LatestShot,
     area: SurveyArea,
-    safety: SafetyCfg,
+    cfg: SailCfg,
     equipment: Equipment,
     sonar: LatestReading[HeardImage] | None = None,
-    sonar_cfg: SonarCfg | None = None,
 ) -> list[CheckLine]:
     """Make the list at a monotonic time (s)."""
+    safety, mission = cfg.safety, cfg.mission
+    words = " ".join(mission.planner.instruction.text.split())
     return [
         _link(report, equipment),
         _pose(now, report, rates, equipment, safety),
         *([_heading(report, area)] if equipment.heading_trusted and report.yaw_rad is not None else []),
         _velocity(report, rates),
         _depth(report, rates, safety),
-        *_camera(now, camera, equipment.perception),
-        _sonar(now, sonar, sonar_cfg or SonarCfg()),
+        *_camera(now, camera, mission.perception),
+        _sonar(now, sonar, mission.simulator.sonar),
         _battery(report, safety),
         CheckLine(
             "leak",
@@ -95,10 +91,10 @@ def preflight_list(
             f"geofence with {len(area.fence)} corners, {len(area.keep_out)} keep-outs: {safety.on_fence}",
         ),
         CheckLine(
-            "time", f"{equipment.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
+            "time", f"{mission.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
         ),
         *([_resumed(equipment, area)] if equipment.resumed else []),
-        *([_instruction(equipment)] if equipment.instruction else []),
+        *([_instruction(words, equipment)] if words else []),
         CheckLine("advisor", equipment.advisor),
         CheckLine("recording", equipment.folder),
     ]
@@ -110,9 +106,9 @@ def _resumed(equipment: Equipment, area: SurveyArea) -> CheckLine:
     return CheckLine("map", f"that of {equipment.resumed}: the vehicle must now be about {place}")
 
 
-def _instruction(equipment: Equipment) -> CheckLine:
+def _instruction(words: str, equipment: Equipment) -> CheckLine:
     judge = "judged by the truth of the simulated reef" if equipment.judged else "nobody judges it"
-    return CheckLine("instruction", f"{' '.join(equipment.instruction.split())} - {judge}")
+    return CheckLine("instruction", f"{words} - {judge}")
 
 
 def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:
