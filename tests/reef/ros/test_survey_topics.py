@@ -1,5 +1,4 @@
 import json
-import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED
 from coral.reef.ros import survey_topics
-from coral.reef.ros.survey_topics import MapTransform, odometry_in_map
+from coral.reef.ros.survey_topics import MapTransform
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.world.geometry import Pose
 from coral.reef.world.instruction import checked_words
@@ -97,11 +96,6 @@ def types(monkeypatch):
 
 def sent(node):
     return [each for topic, told in node.sent if topic == "/tf" for each in told.transforms]
-
-
-def test_a_pose_in_both_frames_tells_where_one_is_in_the_other(types):
-    at = odometry_in_map(Pose(1.0, 0.0, 0.0), Pose(4.0, 6.0, math.pi / 2))
-    assert at == pytest.approx((4.0, 5.0, math.pi / 2))
 
 
 def test_what_is_sent_says_where_the_odometry_is_in_the_map(types):

@@ -21,6 +21,7 @@ from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
 from coral.reef.recordings.frame_tree import MAP, frame_name
 from coral.reef.ros.ros_link import RosLink
+from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.operator import WORDS, OperatorWords
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.world.geometry import Pose
@@ -197,13 +198,6 @@ class SurveyTopics:
         self._health.publish(message)
 
 
-def odometry_in_map(odometry: Pose, pose: Pose) -> Pose:
-    """Return the place of the odometry's frame in the map, from one pose in both."""
-    turn = pose.theta - odometry.theta
-    c, s = math.cos(turn), math.sin(turn)
-    return Pose(pose.x - (c * odometry.x - s * odometry.y), pose.y - (s * odometry.x + c * odometry.y), turn)
-
-
 class MapTransform:
     """Sends the transform from `map` to the frame of the odometry, with what the localizer corrected.
 
@@ -241,12 +235,12 @@ class MapTransform:
         if frame in self._others:
             self.told = f"by another node: {self._others[frame]} -> {frame}"
             return
-        at, message = odometry_in_map(odometry, pose), self._stamped()
+        at, message = LocalFrame.from_start(odometry, pose, trust_heading=False), self._stamped()
         message.header.stamp = self._ros.stamp()
         message.header.frame_id, message.child_frame_id = MAP, frame
         message.transform.translation.x, message.transform.translation.y = float(at.x), float(at.y)
-        message.transform.rotation.z = math.sin(at.theta / 2.0)
-        message.transform.rotation.w = math.cos(at.theta / 2.0)
+        message.transform.rotation.z = math.sin(at.turn / 2.0)
+        message.transform.rotation.w = math.cos(at.turn / 2.0)
         self._sent = (*self._sent[-49:], message.header.stamp)
         self._publisher.publish(self._message(transforms=[message]))
         self.told = f"{MAP} -> {frame}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.world.geometry import Pose, wrap
+from coral.reef.world.geometry import Pose, to_world, wrap
 
 
 @dataclass(frozen=True)
@@ -31,13 +31,13 @@ class LocalFrame:
         position is shifted. Otherwise the vehicle is taken to head as the start says.
         """
         turn = 0.0 if trust_heading else wrap(start.theta - reported.theta)
-        c, s = math.cos(turn), math.sin(turn)
-        return cls(start.x - (c * reported.x - s * reported.y), start.y - (s * reported.x + c * reported.y), turn)
+        x, y = to_world(Pose(0.0, 0.0, turn), reported.x, reported.y)
+        return cls(start.x - x, start.y - y, turn)
 
     def to_survey(self, pose: Pose) -> Pose:
         """Convert a pose of the vehicle's frame to the survey's."""
-        c, s = math.cos(self.turn), math.sin(self.turn)
-        return Pose(self.x + c * pose.x - s * pose.y, self.y + s * pose.x + c * pose.y, wrap(pose.theta + self.turn))
+        x, y = to_world(Pose(self.x, self.y, self.turn), pose.x, pose.y)
+        return Pose(x, y, wrap(pose.theta + self.turn))
 
     def turned(self, covariance: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert the covariance of a pose: x, y (m), theta (rad). Shape=(3, 3)."""
