@@ -19,7 +19,6 @@ from coral.reef.drive.controller_kernels import (
     clearance_at,
     hull_is_free,
     rollout,
-    shape_samples,
 )
 from coral.reef.drive.cost_terms import COSTS, CostCfg, Scales
 from coral.reef.map.costfield import CostField
@@ -221,7 +220,7 @@ class DdpMppi:
             return self._stop(state, "", ok=True)
         start = np.array([*state, *trailing], dtype=np.float64)
         scene = self._scene(start, cost_field, distance_map, cell_m)
-        controls = self._sample(start)
+        controls = self._sample()
         total = self._evaluate(start, controls, self._guide, scene)
         kept = (self._path.copy(), self._feasible.copy()) if self.cfg.keep_rollouts else (None, None)
         failure = ""
@@ -300,19 +299,28 @@ class DdpMppi:
             for points, n in steps
         )
 
-    def _sample(self, start: Array) -> Array:
-        """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2)."""
+    def _sample(self) -> Array:
+        """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2).
+
+        The first five guided ones have no noise; what is not guided keeps to the limits.
+        """
         cfg, v_max, w_max = self.cfg, self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
-        k, n = cfg.n_rollouts, cfg.n_steps
+        n, warm, warm_start = cfg.n_steps, 2 + self._n_guided, self.warm_start()
+        first = warm + self._n_warm
+        n_window = cfg.n_rollouts - first
         controls = self._rng.standard_normal(out=self._controls)
-        n_window = k - 2 - self._n_guided - self._n_warm
+        controls *= (cfg.sigma_v, cfg.sigma_omega)
         window = np.stack([self._rng.uniform(0.0, v_max, n_window), self._rng.uniform(-w_max, w_max, n_window)], axis=1)
         # Half of them brake from a random step on: in clutter, few constants stay feasible over the whole horizon.
         brake = self._rng.integers(1, n, n_window)
         brake[::2] = n
-        warm_start = self.warm_start()
-        shape_samples(controls, (cfg.sigma_v, cfg.sigma_omega), warm_start, self._guide, self._n_warm, window, brake,
-                      (v_max, w_max))  # fmt: skip
+        controls[0], controls[1] = 0.0, warm_start
+        controls[2 : min(warm, 7)] = 0.0
+        controls[warm:first] += warm_start
+        controls[first:] += window[:, None, :]
+        controls[first:][np.arange(n)[None, :] >= brake[:, None]] = 0.0
+        for free in (controls[:2], controls[warm:]):
+            np.clip(free, (0.0, -w_max), (v_max, w_max), out=free)
         return controls
 
     def _sample_recovery(self) -> Array:

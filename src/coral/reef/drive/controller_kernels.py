@@ -101,53 +101,6 @@ def hull_is_free(
 
 
 @njit(cache=True, error_model="numpy")
-def shape_samples(
-    controls: Array,
-    sigma: tuple[float, float],
-    warm: Array,
-    guide_speed: Array,
-    n_warm: int,
-    window: Array,
-    brake: NDArray[np.int64],
-    limits: tuple[float, float],
-) -> None:
-    """Turn standard normal numbers into control sequences, in place.
-
-    Their order: standing still, the previous plan, the guided ones (the first five without noise), `n_warm` around the
-    previous plan, and the rest around constants that stop at some step. All except the guided ones are clipped.
-
-    Args:
-        controls: Shape=(K, T, 2), standard normal on input, speed (m/s) and yaw rate (rad/s) on output.
-        sigma: Standard deviations of speed and yaw rate.
-        warm: Shape=(T, 2), previous plan, shifted to now.
-        guide_speed: Shape=(K,), positive for guided sequences.
-        n_warm: Number of sequences around `warm`.
-        window: Shape=(W, 2), constants of the last W sequences.
-        brake: Shape=(W,), steps from which those stop.
-        limits: Largest speed (m/s) and yaw rate (rad/s).
-    """
-    n_rollouts, n_steps = controls.shape[0], controls.shape[1]
-    first = n_rollouts - window.shape[0]
-    for k in range(n_rollouts):
-        guided = guide_speed[k] > 0.0
-        for t in range(n_steps):
-            v, w = controls[k, t, 0] * sigma[0], controls[k, t, 1] * sigma[1]
-            if k == 0 or (guided and k < 7):
-                v, w = 0.0, 0.0
-            elif k == 1:
-                v, w = warm[t, 0], warm[t, 1]
-            elif k >= first:
-                v, w = v + window[k - first, 0], w + window[k - first, 1]
-                if t >= brake[k - first]:
-                    v, w = 0.0, 0.0
-            elif k >= first - n_warm:
-                v, w = v + warm[t, 0], w + warm[t, 1]
-            if not guided:
-                v, w = min(max(v, 0.0), limits[0]), min(max(w, -limits[1]), limits[1])
-            controls[k, t, 0], controls[k, t, 1] = v, w
-
-
-@njit(cache=True, error_model="numpy")
 def rollout(
     start: Array,
     previous: Array,
