@@ -24,7 +24,7 @@ def meter(clusters, obstacles=(), **settings):
 
 def area(watch, cluster):
     """A cluster's cells, and whether each has been seen."""
-    its = slice(*watch._start[cluster : cluster + 2])
+    its = watch._cluster == cluster
     return watch._cells[its], watch._seen[its]
 
 

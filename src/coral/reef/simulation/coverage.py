@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import CellSize, Positive
-from coral.reef.simulation import coverage_kernels
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Label, Pose
-from coral.reef.world.scene import Footprints, Scene
+from coral.reef.world.scene import ELLIPSE, Footprints, Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,40 +46,65 @@ class CoverageMeter:
     def __init__(self, scene: Scene, cfg: CoverageCfg | None = None) -> None:
         self.cfg = cfg = cfg or CoverageCfg()
         self.names = scene.cluster_names
-        self._hiders = hiders = scene.footprints()
+        self._hiders = scene.footprints()
         areas = _areas(scene, cfg.cell_m, cfg.closing_m)
         self._size = np.array([len(area) for area in areas], np.int64)
-        self._start = np.concatenate([[0], np.cumsum(self._size)])
         self._cells = np.concatenate([np.empty((0, 2)), *areas])
-        self._circle = np.array([_circle(area) for area in areas]).reshape(-1, 3)
+        self._cluster = np.repeat(np.arange(len(areas)), self._size)
         self._seen = np.zeros(len(self._cells), np.bool_)
-        self._left = self._size.copy()
-        self._scratch = np.empty((len(hiders.kind), 7))
 
     def update(self, pose: Pose) -> None:
         """Mark the area seen from a true pose."""
-        cfg = self.cfg
-        coverage_kernels.observe(
-            (float(pose.x), float(pose.y), float(pose.theta)),
-            math.radians(cfg.hfov_deg) / 2,
-            cfg.range_m,
-            self._cells,
-            self._start,
-            self._circle,
-            self._seen,
-            self._left,
-            self._hiders,
-            self._scratch,
-        )
+        unseen = np.flatnonzero(~self._seen)
+        dx, dy = (self._cells[unseen] - (pose.x, pose.y)).T
+        distance = np.sqrt(dx * dx + dy * dy)
+        ahead = math.cos(pose.theta) * dx + math.sin(pose.theta) * dy
+        edge = math.cos(math.radians(self.cfg.hfov_deg) / 2)
+        near = (distance <= self.cfg.range_m) & (ahead >= edge * distance)
+        hidden = self._hidden(pose, dx[near], dy[near])
+        self._seen[unseen[near][~hidden]] = True
+
+    def _hidden(self, pose: Pose, dx: NDArray[np.float64], dy: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Check whether the segments from a pose to pose + (dx, dy) cross an outline. Shape=(N,)."""
+        hidden = np.zeros(len(dx), np.bool_)
+        for kind, (x, y), half, yaw in zip(*self._hiders, strict=True):
+            x, y = pose.x - x, pose.y - y
+            reach = self.cfg.range_m + half[0] + half[1]
+            if not len(dx) or x * x + y * y > reach * reach:
+                continue
+            # In the frame in which the outline is the unit circle or square: the eye e and the segment g.
+            c, s = math.cos(yaw), math.sin(yaw)
+            rows = (c / half[0], s / half[0]), (-s / half[1], c / half[1])
+            (ex, ey), (gx, gy) = ((a * x + b * y for a, b in rows), (a * dx + b * dy for a, b in rows))
+            if kind == ELLIPSE:
+                square, near = gx * gx + gy * gy, -(ex * gx + ey * gy)
+                near = np.clip(near / np.maximum(square, 1e-300), 0.0, 1.0)
+                px, py = ex + near * gx, ey + near * gy
+                hidden |= px * px + py * py < 1.0
+                continue
+            enter, leave = np.zeros(len(dx)), np.ones(len(dx))
+            for e, g in ((ex, gx), (ey, gy)):
+                with np.errstate(divide="ignore", invalid="ignore"):  # a segment along an edge: all of it, or nothing
+                    first, second = (-1.0 - e) / g, (1.0 - e) / g
+                enter, leave = (
+                    np.maximum(enter, np.minimum(first, second)),
+                    np.minimum(leave, np.maximum(first, second)),
+                )
+            hidden |= enter < leave
+        return hidden
 
     @property
     def fractions(self) -> NDArray[np.float64]:
         """Return the share of every cluster's area seen so far, in the world's order. Shape=(n_clusters,)."""
-        return 1.0 - self._left / self._size
+        return 1.0 - self._left() / self._size
 
     def covered(self) -> NDArray[np.bool_]:
         """Return which clusters have been seen to at least `cfg.threshold`. Shape=(n_clusters,)."""
-        return np.asarray(self._size - self._left >= self.cfg.threshold * self._size - 1e-9)
+        return np.asarray(self._size - self._left() >= self.cfg.threshold * self._size - 1e-9)
+
+    def _left(self) -> NDArray[np.int64]:
+        """Return the number of cells of every cluster that have not been seen. Shape=(n_clusters,)."""
+        return np.bincount(self._cluster[~self._seen], minlength=len(self.names))
 
     @property
     def coverage(self) -> float:
@@ -126,9 +150,3 @@ def _areas(scene: Scene, cell_m: float, closing_m: float) -> list[NDArray[np.flo
         free = np.array([clearance(hiders, x, y) > 0.0 for x, y in cells])
         areas.append(cells[free] if free.any() else cells)
     return areas
-
-
-def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Return a circle (x, y, radius) that contains all points."""
-    middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
-    return float(middle[0]), float(middle[1]), float(np.linalg.norm(cells - middle, axis=1).max())
