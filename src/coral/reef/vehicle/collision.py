@@ -32,8 +32,6 @@ class ContactCounter:
         self._footprints = footprints
         self._radius, self._release = radius, release_m
         self._touching: NDArray[np.bool_] = np.zeros(len(footprints.kind), np.bool_)
-        self._fresh: NDArray[np.int64] = np.zeros(len(footprints.kind), np.int64)
-        self._point: NDArray[np.int64] = np.zeros(len(footprints.kind), np.int64)
 
     def clearance(self, x: float, y: float) -> float:
         """Return the distance (m) from the disc, its centre at (x, y), to the nearest obstacle; negative in contact."""
@@ -41,14 +39,11 @@ class ContactCounter:
 
     def follow(self, track: NDArray[np.float64]) -> list[tuple[float, float, int]]:
         """Move the centre along a track, Shape=(N, 2), metres. Return new contacts: x, y, index of the obstacle."""
-        room = len(track) * len(self._touching)
-        if room > len(self._fresh):
-            self._fresh, self._point = np.zeros(room, np.int64), np.zeros(room, np.int64)
-        fresh = collision_kernels.contacts_along(
-            track, self._radius, self._release, self._footprints, self._touching, self._fresh, self._point
-        )
-        self.count += fresh
-        return [
-            (float(track[self._point[k], 0]), float(track[self._point[k], 1]), int(self._fresh[k]))
-            for k in range(fresh)
-        ]
+        reach, found = self._radius + self._release, list[tuple[float, float, int]]()
+        gaps = collision_kernels.distances_along(track, reach, self._footprints) - self._radius
+        for (x, y), gap in zip(track, gaps, strict=True):
+            begun = ~self._touching & (gap <= 0.0)
+            self._touching = begun | (self._touching & (gap <= self._release))
+            found += [(float(x), float(y), int(k)) for k in np.flatnonzero(begun)]
+        self.count += len(found)
+        return found

@@ -1,4 +1,4 @@
-"""Signed distance from a point to ground outlines, and contacts of a disc with them, for every integration step."""
+"""Signed distance from points to ground outlines."""
 
 from __future__ import annotations
 
@@ -97,41 +97,15 @@ def clearance(
 
 
 @njit(cache=True)
-def contacts_along(
-    track: NDArray[np.float64],
-    radius: float,
-    release: float,
-    outlines: Footprints,
-    touching: NDArray[np.bool_],
-    fresh: NDArray[np.int64],
-    point: NDArray[np.int64],
-) -> int:
-    """Update which outlines a disc touches along a track. Return how many it has begun to touch.
-
-    Args:
-        track: Shape=(N, 2), positions of the disc's centre (m), oldest first.
-        radius: Radius of the disc (m).
-        release: Gap (m) beyond which a contact ends.
-        outlines: K of them.
-        touching: Shape=(K,), updated in place.
-        fresh: Shape=(N * K,), written: outlines that the disc began to touch.
-        point: Shape=(N * K,), written: index of the track point of each new contact.
-    """
+def distances_along(track: NDArray[np.float64], reach_m: float, outlines: Footprints) -> NDArray[np.float64]:
+    """Compute the signed distances (m) from points, Shape=(N, 2), to K outlines, inf beyond `reach_m`. Shape=(N, K)."""
     kind, center, half, _ = outlines
-    count = 0
+    found = np.full((track.shape[0], kind.size), np.inf)
     for i in range(track.shape[0]):
         x, y = track[i, 0], track[i, 1]
         for k in range(kind.size):
             dx, dy = x - center[k, 0], y - center[k, 1]
-            reach = half[k, 0] + half[k, 1] + radius + release
-            if dx * dx + dy * dy > reach * reach:
-                touching[k] = False
-                continue
-            gap = outline_distance(x, y, k, outlines) - radius
-            if touching[k]:
-                touching[k] = gap <= release
-            elif gap <= 0.0:
-                touching[k] = True
-                fresh[count], point[count] = k, i
-                count += 1
-    return count
+            reach = half[k, 0] + half[k, 1] + reach_m
+            if dx * dx + dy * dy <= reach * reach:
+                found[i, k] = outline_distance(x, y, k, outlines)
+    return found

@@ -96,55 +96,8 @@ def planar_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, m
 
 
 @njit(cache=True)
-def velocity_loop(
-    s: Array,
-    memory: Array,
-    v_cmd: float,
-    omega_cmd: float,
-    rate: float,
-    yaw_rate: float,
-    period: float,
-    gain: float,
-    model: Planar,
-    asked: Array,
-) -> None:
-    """Run one period of the velocity loop: update the estimated disturbance and the commanded wrench.
-
-    The disturbance moves towards the part of the last period's motion that the model does not explain.
-
-    Args:
-        s: Shape=(9,), x, y, theta, ground-relative u, v, r, and the present wrench.
-        memory: Shape=(9,), disturbance in the world frame (N, N, N m), then velocity and wrench one period ago, NaN
-            if there was none. Updated in place.
-        v_cmd: Surge set point (m/s).
-        omega_cmd: Yaw-rate set point (rad/s).
-        rate: As in `tracking_wrench`.
-        yaw_rate: As in `tracking_wrench`.
-        period: Period of the loop (s).
-        gain: Share of the disturbance's error that one period corrects.
-        model: Constants of the vehicle.
-        asked: Shape=(3,), written: the commanded wrench, within the thrusters' limits.
-    """
-    c, si = math.cos(s[2]), math.sin(s[2])
-    if not np.isnan(memory[3]):
-        mean, force = 0.5 * (memory[3:6] + s[3:6]), 0.5 * (memory[6:9] + s[6:9])
-        du, dv, dr = planar_acceleration(mean[0], mean[1], mean[2], force[0], force[1], force[2], model)
-        extra_u = model.m11 * ((s[3] - memory[3]) / period - du)
-        extra_v = model.m22 * ((s[4] - memory[4]) / period - dv)
-        extra_r = model.m66 * ((s[5] - memory[5]) / period - dr)
-        memory[0] += gain * (c * extra_u - si * extra_v - memory[0])
-        memory[1] += gain * (si * extra_u + c * extra_v - memory[1])
-        memory[2] += gain * (extra_r - memory[2])
-    fx, fy, n = tracking_wrench(s[3], s[4], s[5], v_cmd, omega_cmd, rate, yaw_rate, model)
-    dx, dy, dn = memory[0], memory[1], memory[2]
-    asked[0], asked[1], asked[2] = limit_wrench(fx - c * dx - si * dy, fy + si * dx - c * dy, n - dn, model)
-    memory[3:6] = s[3:6]
-    memory[6:9] = s[6:9]
-
-
-@njit(cache=True)
 def planar_step(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: Planar) -> None:
-    """Run `planar_rk4` on ground-relative velocities and wrap the heading to (-pi, pi]; s as in `velocity_loop`."""
+    """Run `planar_rk4` on ground-relative velocities and wrap the heading to (-pi, pi]; s as in `planar_drive`."""
     c, si = math.cos(s[2]), math.sin(s[2])
     s[3] -= c * current[0] + si * current[1]
     s[4] -= -si * current[0] + c * current[1]
@@ -171,14 +124,41 @@ def planar_drive(
     h: float,
     trace: Array,
 ) -> None:
-    """Run the velocity loop and the motion over a control tick, without obstacles. Arguments as in `velocity_loop`.
+    """Run one period of the velocity loop, and the motion in it, without obstacles.
 
-    `current`, Shape=(2,), is the water's velocity in the world (m/s), `lag_s` the thrust's time constant (s), `h` the
-    integration step (s). `trace`, Shape=(loops, steps, 2), is written: positions after every integration step.
+    The loop's estimated disturbance moves towards the part of the last period's motion that the model does not explain.
+
+    Args:
+        s: Shape=(9,), x, y, theta, ground-relative u, v, r, and the present wrench. Updated in place.
+        memory: Shape=(9,), disturbance in the world frame (N, N, N m), then velocity and wrench one period ago, NaN
+            if there was none. Updated in place.
+        v_cmd: Surge set point (m/s).
+        omega_cmd: Yaw-rate set point (rad/s).
+        rate: As in `tracking_wrench`.
+        yaw_rate: As in `tracking_wrench`.
+        period: Period of the loop (s).
+        gain: Share of the disturbance's error that one period corrects.
+        model: Constants of the vehicle.
+        current: Shape=(2,), water velocity in the world (m/s).
+        lag_s: Time constant of the thrust (s).
+        h: Integration step (s).
+        trace: Shape=(steps, 2), written: positions after every integration step.
     """
-    asked = np.empty(3)
-    for i in range(trace.shape[0]):
-        velocity_loop(s, memory, v_cmd, omega_cmd, rate, yaw_rate, period, gain, model, asked)
-        for j in range(trace.shape[1]):
-            planar_step(s, asked, current, lag_s, h, model)
-            trace[i, j, 0], trace[i, j, 1] = s[0], s[1]
+    c, si = math.cos(s[2]), math.sin(s[2])
+    if not np.isnan(memory[3]):
+        mean, force = 0.5 * (memory[3:6] + s[3:6]), 0.5 * (memory[6:9] + s[6:9])
+        du, dv, dr = planar_acceleration(mean[0], mean[1], mean[2], force[0], force[1], force[2], model)
+        extra_u = model.m11 * ((s[3] - memory[3]) / period - du)
+        extra_v = model.m22 * ((s[4] - memory[4]) / period - dv)
+        extra_r = model.m66 * ((s[5] - memory[5]) / period - dr)
+        memory[0] += gain * (c * extra_u - si * extra_v - memory[0])
+        memory[1] += gain * (si * extra_u + c * extra_v - memory[1])
+        memory[2] += gain * (extra_r - memory[2])
+    fx, fy, n = tracking_wrench(s[3], s[4], s[5], v_cmd, omega_cmd, rate, yaw_rate, model)
+    dx, dy, dn = memory[0], memory[1], memory[2]
+    asked = np.array(limit_wrench(fx - c * dx - si * dy, fy + si * dx - c * dy, n - dn, model))
+    memory[3:6] = s[3:6]
+    memory[6:9] = s[6:9]
+    for j in range(trace.shape[0]):
+        planar_step(s, asked, current, lag_s, h, model)
+        trace[j, 0], trace[j, 1] = s[0], s[1]

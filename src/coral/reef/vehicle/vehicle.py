@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from coral.config import Positive, TimeStep
 from coral.errors import InputError
 from coral.reef.vehicle.dynamics import THRUST_MAX_N, Thrusters, planar
-from coral.reef.vehicle.dynamics_kernels import planar_drive, planar_step, velocity_loop
+from coral.reef.vehicle.dynamics_kernels import planar_drive
 from coral.reef.vehicle.tour_kernels import advance
 from coral.reef.world.geometry import Pose
 
@@ -104,22 +104,13 @@ class VehicleDynamics:
         h = dt / loops / subs
         if cfg.model == "kinematic":
             return self._glide(v_cmd, omega, loops * subs, h, contact)
-        water = np.array(current, dtype=np.float64)
+        water, period = np.array(current, dtype=np.float64), dt / loops
+        learnt = -math.expm1(-cfg.observer_rate_1_s * period)
         trace = np.empty((loops, subs, 2))
-        period = dt / loops
-        loop = (v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, period,
-                -math.expm1(-cfg.observer_rate_1_s * period), self.model)  # fmt: skip
-        before, memory = self._s.copy(), self._memory.copy()
-        planar_drive(self._s, self._memory, *loop, water, cfg.thrusters.lag_s, h, trace)
-        if contact is None or self._stays_clear(contact, before, trace):
-            return trace.reshape(-1, 2)
-        self._s, self._memory = before, memory
-        asked = np.empty(3)
-        for i in range(loops):
-            velocity_loop(self._s, self._memory, *loop, asked)
-            for j in range(subs):
-                planar_step(self._s, asked, water, cfg.thrusters.lag_s, h, self.model)
-                trace[i, j] = self._s[:2]
+        for positions in trace:
+            planar_drive(self._s, self._memory, v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, period,
+                         learnt, self.model, water, cfg.thrusters.lag_s, h, positions)  # fmt: skip
+            if contact is not None:
                 self._resolve(contact)
         return trace.reshape(-1, 2)
 
@@ -133,12 +124,6 @@ class VehicleDynamics:
             if contact is not None:
                 self._resolve(contact)
         return trace
-
-    def _stays_clear(self, clearance: Clearance, before: NDArray[np.float64], trace: NDArray[np.float64]) -> bool:
-        """Check that no contact was possible: a clearance shrinks by no more than the distance moved."""
-        x, y = before[:2].tolist()
-        moved = math.sqrt(float(((trace - before[:2]) ** 2).sum(axis=-1).max()))
-        return clearance(x, y) > self.cfg.hull_radius_m + moved + 1e-6
 
     def _resolve(self, clearance: Clearance) -> None:
         """Put a hull that has entered an obstacle back on its surface."""
