@@ -32,6 +32,7 @@ from hypothesis import strategies as st
 import coral
 from coral.errors import InputError
 from coral.reef.sea.recorded_camera import RecordedCamera
+from coral.reef.vehicle.sensing import Stamped
 
 HOME = Path(coral.__file__).parent
 LONGEST_S = 10
@@ -185,12 +186,12 @@ def sonar_parsers(refused: type[Exception]) -> dict[str, Parser]:
     """Return the parsers of a Sonar 3D-15's packets, if its decoder is installed."""
     import numpy as np
 
-    from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol
+    from coral.reef.sea.sonar_packets import decode_packet, encode_packet, load_protocol
     from coral.reef.vehicle.range_image import RangeImage
 
     with suppress(InputError):
         load_protocol()
-        ping = SonarPing(RangeImage(np.full((4, 8), 2.0), 90.0, 40.0), 1.0, 3)
+        ping = Stamped(1.0, RangeImage(np.full((4, 8), 2.0), 90.0, 40.0))
         packets = (encode_packet(ping),)
         return {"sonar packet": Parser(lambda path: decode_packet(path.read_bytes()), packets, (refused,))}
     return {}

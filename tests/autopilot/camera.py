@@ -32,10 +32,11 @@ from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSon
 from coral.reef.rehearsal.truth import follow_truth
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.record import ReefTruth
-from coral.reef.sea.sonar_packets import SonarPing, encode_packet
+from coral.reef.sea.sonar_packets import encode_packet
 from coral.reef.sea.transport import parse_address
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter
+from coral.reef.vehicle.sensing import Stamped
 from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -206,7 +207,7 @@ def main() -> None:
     def ping() -> None:
         heard = sonar.read()
         if heard is not None:
-            line.sendto(encode_packet(SonarPing(heard.image, time.time())), ("127.0.0.1", said.sonar))
+            line.sendto(encode_packet(Stamped(time.time(), heard.value)), ("127.0.0.1", said.sonar))
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     print(f"pictures at {server.address}; Ctrl-C ends them", file=sys.stderr, flush=True)

@@ -145,7 +145,7 @@ def test_a_simulated_sonar_hears_the_reef():
             if parts.sonar.latest is not None:
                 break
             parts.sonar._closing.wait(0.01)
-        assert np.isfinite(parts.sonar.latest.image.ranges).any()
+        assert np.isfinite(parts.sonar.latest.value.ranges).any()
     with opened(ReefSail(area="s1")) as parts:
         assert parts.sonar is None
 

@@ -28,7 +28,7 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_camera
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
-from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSource
+from coral.reef.sea.latest_reading import LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot, Shot
@@ -43,6 +43,7 @@ from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
 from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
+from coral.reef.vehicle.sensing import HeardImage
 from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene

@@ -32,8 +32,8 @@ def test_it_hears_the_reef_from_where_the_vehicle_is_at_its_rate():
     clock, pose = FakeClock(), Pose(5.0, 5.0, 0.3)
     simulated = SimulatedSonar(sonar(), lambda: (clock.now, pose), 1.0, clock, clock.sleep)
     heard = [simulated.read() for _ in range(3)]
-    assert [round(each.stamp_s, 6) for each in heard] == [0.0, 0.2, 0.4]
-    assert np.array_equal(heard[0].image.ranges, sonar().image(pose, 1.0).ranges)
+    assert [round(each.t, 6) for each in heard] == [0.0, 0.2, 0.4]
+    assert np.array_equal(heard[0].value.ranges, sonar().image(pose, 1.0).ranges)
 
 
 def test_without_a_pose_there_is_no_image():

@@ -55,8 +55,8 @@ def test_a_point_ahead_is_heard_ahead():
     node.heard["/ranges"](cloud((3.0, 0.01, 0.01)))
     found = heard.read()
     assert found.stamp_s == 5.0
-    assert np.nanmin(found.image.ranges) == pytest.approx(3.0, abs=1e-3)
-    assert np.abs(np.argwhere(np.isfinite(found.image.ranges))[0] - AHEAD).max() <= 1
+    assert np.nanmin(found.value.ranges) == pytest.approx(3.0, abs=1e-3)
+    assert np.abs(np.argwhere(np.isfinite(found.value.ranges))[0] - AHEAD).max() <= 1
     assert heard.read() is None
 
 
@@ -65,7 +65,7 @@ def test_ranges_are_told_from_the_vehicle_and_the_tilt_that_the_map_reckons_with
     node.heard["/tf_static"](mounted("base_link", "head", at=(0.5, 0.0, 0.0)))
     down = math.radians(20.0)
     node.heard["/ranges"](cloud((2.5 * math.cos(down) - 0.5, 0.0, -2.5 * math.sin(down)), frame="head"))
-    ranges = heard.read().image.ranges
+    ranges = heard.read().value.ranges
     row, column = np.argwhere(np.isfinite(ranges))[0]
     assert ranges[row, column] == pytest.approx(2.5, abs=1e-3)
     assert abs(row - AHEAD[0]) <= 1
@@ -93,7 +93,7 @@ def test_a_depth_picture_is_turned_into_ranges():
     # REP-103: z of an optical frame is forward, x is right.
     node.heard["/tf_static"](mounted("base_link", "optical", turn=(-0.5, 0.5, -0.5, 0.5)))
     node.heard["/ranges"](picture)
-    ranges = heard.read().image.ranges
+    ranges = heard.read().value.ranges
     assert np.isfinite(ranges).sum() == 32
     assert ranges.min() == pytest.approx(2.0, abs=1e-3)
 
@@ -122,7 +122,7 @@ def test_a_transform_without_a_rotation_changes_nothing():
     node.heard["/tf_static"](mounted("base_link", "head", at=(1.0, 0.0, 0.0)))
     node.heard["/tf"](mounted("base_link", "head", turn=(0.0, 0.0, 0.0, 0.0)))
     node.heard["/ranges"](cloud((3.0, 0.0, 0.0), frame="head"))
-    assert heard.read().image.ranges.min() == pytest.approx(4.0, abs=1e-3)
+    assert heard.read().value.ranges.min() == pytest.approx(4.0, abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,14 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
-from coral.reef.sea.latest_reading import HeardImage, LatestReading
+from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Stamped
 from coral.reef.world.geometry import Frame, Pose
 
 AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
@@ -189,7 +190,7 @@ def listening(*found, period_s=0.2):
 
 
 def echo(width=8):
-    return HeardImage(NOW - 0.1, RangeImage(np.full((4, width), 2.0, np.float32), 90.0, 40.0))
+    return Stamped(NOW - 0.1, RangeImage(np.full((4, width), 2.0, np.float32), 90.0, 40.0))
 
 
 def test_the_sonar_says_sender_size_rate_age_and_what_was_refused():

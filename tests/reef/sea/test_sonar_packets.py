@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from coral.errors import InputError
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea import sonar_packets
-from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol
+from coral.reef.sea.sonar_packets import decode_packet, encode_packet, load_protocol
 from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Stamped
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
 import snappy  # noqa: E402
@@ -44,18 +45,18 @@ def reason(packet):
 
 def test_an_image_comes_back_as_it_was_sent():
     sent = image()
-    packet = encode_packet(SonarPing(sent, 1_700_000_000.25, 7))
+    packet = encode_packet(Stamped(1_700_000_000.25, sent))
     assert packet[:4] == b"RIP2"
     got = decode_packet(packet)
-    np.testing.assert_array_equal(got.image.ranges, sent.ranges)
-    assert got.image.ranges.dtype == np.float32
-    assert (got.image.hfov_deg, got.image.vfov_deg) == (90.0, 40.0)
-    assert (got.device_s, got.sequence) == (1_700_000_000.25, 7)
+    np.testing.assert_array_equal(got.value.ranges, sent.ranges)
+    assert got.value.ranges.dtype == np.float32
+    assert (got.value.hfov_deg, got.value.vfov_deg) == (90.0, 40.0)
+    assert got.t == 1_700_000_000.25
 
 
 def test_points_lie_where_the_makers_package_puts_them():
     sent = image(shape=(8, 16))
-    theirs = wlsonar.range_image_to_xyz(rip.unpackb(encode_packet(SonarPing(sent))))
+    theirs = wlsonar.range_image_to_xyz(rip.unpackb(encode_packet(Stamped(0.0, sent))))
     ours = sent.directions() * sent.ranges[..., None]
     for point, expected in zip(ours.reshape(-1, 3), theirs, strict=True):
         if expected is None:
@@ -67,7 +68,7 @@ def test_points_lie_where_the_makers_package_puts_them():
 
 def test_a_range_beyond_the_pixels_has_no_echo():
     far = RangeImage(np.full((2, 2), 70.0, np.float32), 90.0, 40.0)
-    assert np.isinf(decode_packet(encode_packet(SonarPing(far))).image.ranges).all()
+    assert np.isinf(decode_packet(encode_packet(Stamped(0.0, far))).value.ranges).all()
 
 
 def test_other_messages_of_the_protocol_are_no_images():
@@ -131,7 +132,7 @@ def survives(packet):
         ping = decode_packet(packet)
     except UnfitMeasurement:
         return
-    assert ping is None or ((ping.image.ranges > 0.0).all() and ping.image.ranges.size <= sonar_packets.MOST_BEAMS)
+    assert ping is None or ((ping.value.ranges > 0.0).all() and ping.value.ranges.size <= sonar_packets.MOST_BEAMS)
 
 
 def test_without_the_package_one_line_says_what_to_install(monkeypatch):

@@ -38,7 +38,7 @@ def test_obstacles_come_from_the_packets_and_the_survey_goes_on_blind(voyage, tm
     voyage.on(60, lambda: setattr(voyage.camera, "blind", True))
     result = voyage.run()
     assert voyage.sonar.reader.refused == {}
-    assert np.array_equal(voyage.sonar.reader.latest.image.ranges, voyage.sonar.last_image.ranges)
+    assert np.array_equal(voyage.sonar.reader.latest.value.ranges, voyage.sonar.last_image.ranges)
     assert voyage.mission.belief.map.layer.obstacle.any()
     assert "camera" in events(tmp_path, "blind")[0]["reason"]
     assert "holding" not in voyage.states

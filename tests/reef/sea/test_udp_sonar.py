@@ -6,9 +6,10 @@ import pytest
 from coral.errors import InputError
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea import udp_sonar
-from coral.reef.sea.sonar_packets import SonarPing, encode_packet
+from coral.reef.sea.sonar_packets import encode_packet
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Stamped
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
 IMAGE = RangeImage(np.full((4, 8), 2.5, np.float32), 90.0, 40.0)
@@ -32,7 +33,7 @@ class Sender:
         return self.sonar.read()
 
     def ping(self, device_s=0.0):
-        return self.send(encode_packet(SonarPing(IMAGE, device_s)))
+        return self.send(encode_packet(Stamped(device_s, IMAGE)))
 
 
 @pytest.fixture
@@ -45,8 +46,8 @@ def sender():
 
 def test_an_image_arrives_and_its_sender_is_known(sender):
     heard = sender.ping()
-    assert np.array_equal(heard.image.ranges, IMAGE.ranges)
-    assert heard.stamp_s == 500.0
+    assert np.array_equal(heard.value.ranges, IMAGE.ranges)
+    assert heard.t == 500.0
     assert sender.sonar.name == f"Sonar 3D-15 at UDP port {sender.sonar.port}, from 127.0.0.1"
 
 
@@ -84,7 +85,7 @@ def test_packets_of_the_multicast_group_arrive():
         pytest.skip("no multicast on this machine")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-        sender.sendto(encode_packet(SonarPing(IMAGE)), (udp_sonar.GROUP, sonar.port))
+        sender.sendto(encode_packet(Stamped(0.0, IMAGE)), (udp_sonar.GROUP, sonar.port))
         heard = sonar.read()
     sonar.close()
     assert heard is not None

@@ -21,10 +21,11 @@ from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import IdleCollector
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
-from coral.reef.sea.sonar_packets import SonarPing, encode_packet
+from coral.reef.sea.sonar_packets import encode_packet
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.vehicle.camera import Camera
+from coral.reef.vehicle.sensing import Stamped
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import load_world
@@ -80,7 +81,7 @@ class SentSonar:
             self.due_s = self.clock.now + 0.2
             self.sent += 1
             self.last_image = self.sonar.image(self.link.true_pose(), 1.0)
-            packet = encode_packet(SonarPing(self.last_image, self.clock.now, self.sent))
+            packet = encode_packet(Stamped(self.clock.now, self.last_image))
             self.socket.sendto(packet, ("127.0.0.1", self.reader.source.port))
             self.reader.step()
         return self.reader.latest

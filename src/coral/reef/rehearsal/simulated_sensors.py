@@ -8,12 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 from coral.reef.map.sonar_3d15 import Sonar3d15
-from coral.reef.sea.latest_reading import HeardImage
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.sensing import HeardImage
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
 

@@ -22,7 +22,7 @@ from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.ros.heard_tree import BODY, HeardTree
 from coral.reef.ros.newest import Newest
-from coral.reef.sea.latest_reading import HeardImage
+from coral.reef.vehicle.sensing import HeardImage
 from coral.ros.camera_lens import lens_of
 from coral.ros.camera_pictures import values_in
 from coral.ros.ros_node import RosNode, beside, ros_type

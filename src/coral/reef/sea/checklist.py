@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from coral.check_line import CheckLine, level_of
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement, check_colours, check_range_image
-from coral.reef.sea.latest_reading import KEPT, HeardImage, LatestReading, rate_of, rate_told
+from coral.reef.sea.latest_reading import KEPT, LatestReading, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.vehicle.sensing import HeardImage
 from coral.reef.world.geometry import wrap
 
 SLOW_HZ = 4.0
@@ -194,9 +195,9 @@ def _sonar(now: float, sonar: LatestReading[HeardImage] | None, cfg: SonarCfg) -
     if heard is None:
         why = f" ({sonar.failure})" if sonar.failure else ""
         return CheckLine("sonar", f"{name}: no image{why} - will not arm", "blocking")
-    image = heard.image
+    image = heard.value
     size = f"{image.ranges.shape[1]}x{image.ranges.shape[0]}, {image.hfov_deg:g} by {image.vfov_deg:g} degrees"
-    text = f"{name}, {size}, {rate_told(sonar.rate_hz)}, last image {max(now - heard.stamp_s, 0.0):.1f} s old"
+    text = f"{name}, {size}, {rate_told(sonar.rate_hz)}, last image {max(now - heard.t, 0.0):.1f} s old"
     refused = ", ".join(f"{reason} {count}" for reason, count in sonar.refused.most_common(3))
     text += f"; refused: {refused}" if refused else ""
     try:

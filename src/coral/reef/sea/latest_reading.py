@@ -6,12 +6,10 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 from coral.errors import first_line
 from coral.reef.pilot.checks import UnfitMeasurement
-from coral.reef.vehicle.range_image import RangeImage
 
 PAUSE_S = 0.2
 """A sensor that fails is asked again after this time."""
@@ -21,15 +19,6 @@ RATE_S = 1.0
 """Over a shorter time no rate is told: sensors send bursts after a pause, a link after a gap."""
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
-
-
-@dataclass(frozen=True)
-class HeardImage:
-    """One range image of a sonar."""
-
-    stamp_s: float
-    """Monotonic time of its ping (s)."""
-    image: RangeImage
 
 
 class SensorSource(Protocol[T_co]):

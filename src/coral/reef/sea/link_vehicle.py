@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from coral.reef.sea.latest_reading import HeardImage, LatestReading
+from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.vehicle.sensing import Attitude, Stamped, VehicleObservation
+from coral.reef.vehicle.sensing import Attitude, HeardImage, Stamped, VehicleObservation
 from coral.reef.world.geometry import Pose
 
 
@@ -53,7 +53,7 @@ class LinkVehicle:
             frame=None if shot is None or shot.frame is None else Stamped(shot.stamp_s - began, shot.frame),
             covariance=None if report.covariance is None else self.frame.turned(report.covariance),
             attitude=None if attitude is None else Stamped(report.attitude_stamp_s - began, attitude),
-            sonar=None if heard is None else Stamped(heard.stamp_s - began, heard.image),
+            sonar=None if heard is None else Stamped(heard.t - began, heard.value),
         )
 
     def command(self, command: tuple[float, float]) -> None:

@@ -28,7 +28,7 @@ from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.sea.latest_reading import HeardImage, LatestReading
+from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
 from coral.reef.sea.local_frame import LocalFrame
@@ -40,6 +40,7 @@ from coral.reef.sea.safety import SafetyMonitor, SailCfg
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.vehicle.sensing import HeardImage
 from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import zlib
-from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -18,6 +17,7 @@ import numpy as np
 from coral.errors import InputError, first_line, install_extra
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import HeardImage
 
 IDENTIFIER = b"RIP2"
 FRAME_BYTES = 12
@@ -33,19 +33,10 @@ SCALE_M = 0.001
 """Step of the ranges in packets that we write."""
 
 
-@dataclass(frozen=True)
-class SonarPing:
-    """What one packet says."""
+def decode_packet(packet: bytes) -> HeardImage | None:
+    """Return the range image in a whole packet, at the time of the ping by the sonar's own clock (0: it tells none).
 
-    image: RangeImage
-    device_s: float = 0.0
-    """Time of the ping by the sonar's own clock (s); 0: it tells none."""
-    sequence: int = 0
-    """Number of the ping."""
-
-
-def decode_packet(packet: bytes) -> SonarPing | None:
-    """Return the range image in a whole packet; None for another message of the protocol, such as a bitmap.
+    None for another message of the protocol, such as a bitmap.
 
     Raises:
         UnfitMeasurement: It is no such packet, broken or hostile, or its numbers are none of a sonar.
@@ -64,10 +55,10 @@ def decode_packet(packet: bytes) -> SonarPing | None:
     return _ping(message) if isinstance(message, rip.RangeImage) else None
 
 
-def encode_packet(ping: SonarPing) -> bytes:
+def encode_packet(ping: HeardImage) -> bytes:
     """Return the packet that a sonar would send, for rehearsals and tests; what its pixels cannot reach has no echo."""
     rip = load_protocol()
-    ranges = ping.image.ranges
+    ranges = ping.value.ranges
     steps = np.where(np.isfinite(ranges), np.round(np.where(np.isfinite(ranges), ranges, 0.0) / SCALE_M), 0.0)
     pixels = np.where(steps <= GREATEST_PIXEL, steps, 0.0).astype(np.uint32)
     message = rip.RangeImage(
@@ -76,15 +67,14 @@ def encode_packet(ping: SonarPing) -> bytes:
         frequency=1_200_000,
         width=ranges.shape[1],
         height=ranges.shape[0],
-        fov_horizontal=ping.image.hfov_deg,
-        fov_vertical=ping.image.vfov_deg,
+        fov_horizontal=ping.value.hfov_deg,
+        fov_vertical=ping.value.vfov_deg,
         image_pixel_scale=SCALE_M,
         image_pixel_data=pixels.ravel().tolist(),
     )
-    message.header.sequence_id = ping.sequence
-    seconds = math.floor(ping.device_s)
+    seconds = math.floor(ping.t)
     message.header.timestamp.seconds = seconds
-    message.header.timestamp.nanos = min(round(1e9 * (ping.device_s - seconds)), 999_999_999)
+    message.header.timestamp.nanos = min(round(1e9 * (ping.t - seconds)), 999_999_999)
     data: bytes = rip.packb(message)
     return data
 
@@ -131,7 +121,7 @@ def _decompressed_size(data: bytes) -> int:
     raise UnfitMeasurement("not decodable", "no size before the compressed data")
 
 
-def _ping(message: Any) -> SonarPing:
+def _ping(message: Any) -> HeardImage:
     """Check the numbers of a range image, and put it into ours: what has no echo is inf there, 0 in the packet."""
     width, height, pixels = message.width, message.height, message.image_pixel_data
     if not (width > 1 and height > 1 and width * height <= MOST_BEAMS and width * height == len(pixels)):
@@ -150,4 +140,4 @@ def _ping(message: Any) -> SonarPing:
     stamp = message.header.timestamp
     device_s = stamp.seconds + 1e-9 * stamp.nanos
     image = RangeImage(ranges, round(fields_of_view[0], 4), round(fields_of_view[1], 4))
-    return SonarPing(image, device_s, message.header.sequence_id)
+    return HeardImage(device_s, image)

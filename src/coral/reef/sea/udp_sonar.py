@@ -10,8 +10,8 @@ from collections.abc import Callable
 from coral.errors import InputError
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.boot_clock import BootClock
-from coral.reef.sea.latest_reading import HeardImage
 from coral.reef.sea.sonar_packets import decode_packet, load_protocol
+from coral.reef.vehicle.sensing import HeardImage
 
 GROUP, PORT = "224.0.0.96", 4747
 """Where the sonar sends as it comes from its maker."""
@@ -75,8 +75,8 @@ class UdpSonar:
         if self.sender not in ("", host):
             raise UnfitMeasurement("another sender", f"{host}, not {self.sender}")
         self.sender = host
-        stamp = self._device.stamp(ping.device_s, now) if ping.device_s > 0.0 else now
-        return None if stamp is None else HeardImage(stamp, ping.image)
+        stamp = self._device.stamp(ping.t, now) if ping.t > 0.0 else now
+        return None if stamp is None else HeardImage(stamp, ping.value)
 
     def close(self) -> None:
         """Stop listening."""

@@ -26,6 +26,10 @@ class Stamped(Generic[T]):
     value: T
 
 
+HeardImage = Stamped[RangeImage]
+"""A sonar's image at the time of its ping."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Attitude:
     """What is measured outside the plane."""
