@@ -35,7 +35,7 @@ from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.sea.priority import prefer_process
+from coral.reef.sea.real_time import prefer_process
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission

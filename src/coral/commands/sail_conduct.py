@@ -13,7 +13,7 @@ from coral.commands.keyboard import Keyboard
 from coral.errors import RunError
 from coral.interrupts import SIGNALS, handling
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.sea.priority import describe_priority, prefer_thread
+from coral.reef.sea.real_time import describe_priority, prefer_thread
 from coral.reef.sea.sea_mission import SeaMission
 from coral.run_loop import Observer
 

@@ -164,7 +164,8 @@ class RosLink:
             if fault or found is None or velocity is None or stamp_s <= self._seen.pose_stamp_s:
                 return
             pose, z, roll, pitch = found
-            self._seen = VehicleReport(
+            self._seen = replace(
+                self._seen,
                 pose=pose,
                 pose_stamp_s=stamp_s,
                 covariance=covariance_of(message),
@@ -176,8 +177,6 @@ class RosLink:
                 depth_stamp_s=stamp_s,
                 velocity=velocity,
                 velocity_stamp_s=stamp_s,
-                battery_v=self._seen.battery_v,
-                battery_fraction=self._seen.battery_fraction,
             )
 
     def _hear_battery(self, message: Any) -> None:

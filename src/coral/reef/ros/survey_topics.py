@@ -6,7 +6,6 @@ survey's own.
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable
@@ -126,7 +125,7 @@ class SurveyTopics:
             self._report("instruction_refused", reason=str(error))
 
     def _report(self, event: str, **fields: Any) -> None:
-        self._events.publish(ros_type("std_msgs.msg.String")(data=json.dumps({"event": event, **fields})))
+        self._event({"event": event, **fields})
 
     def _event(self, event: dict[str, Any]) -> None:
         self._events.publish(ros_type("std_msgs.msg.String")(data=plain_json(event)))
@@ -155,13 +154,17 @@ class SurveyTopics:
         posed.pose.orientation.z, posed.pose.orientation.w = math.sin(theta / 2.0), math.cos(theta / 2.0)
         return posed
 
+    def _marker(self, space: str, x: float, y: float) -> Any:
+        marker = self._headed("visualization_msgs.msg.Marker")
+        marker.ns, marker.pose.position.x, marker.pose.position.y = space, float(x), float(y)
+        marker.pose.orientation.w = 1.0
+        return marker
+
     def _publish_oysters(self, run: SeaMission) -> None:
         markers = []
         for track in run.belief.tracks:
-            marker = self._headed("visualization_msgs.msg.Marker")
-            marker.ns, marker.id, marker.type = "oysters", int(track.index), 3  # a cylinder
-            marker.pose.position.x, marker.pose.position.y = float(track.x), float(track.y)
-            marker.pose.orientation.w = 1.0
+            marker = self._marker("oysters", track.x, track.y)
+            marker.id, marker.type = int(track.index), 3  # a cylinder
             marker.scale.x = marker.scale.y = max(0.3, float(track.length_m))
             marker.scale.z = 0.2
             marker.color.g, marker.color.a = 0.8, 0.6 if track.visited else 0.9
@@ -170,13 +173,11 @@ class SurveyTopics:
         self._oysters.publish(ros_type("visualization_msgs.msg.MarkerArray")(markers=markers))
 
     def _publish_goal(self, run: SeaMission) -> None:
-        marker = self._headed("visualization_msgs.msg.Marker")
-        marker.ns, marker.type, marker.action = "goal", 2, 2  # a sphere; delete
+        marker = self._marker("goal", *(run.belief.goal or (0.0, 0.0)))
+        marker.type, marker.action = 2, 2  # a sphere; delete
         if run.belief.goal is not None:
             self._goal.publish(self._posed(*run.belief.goal, 0.0))
-            marker.action, (x, y) = 0, run.belief.goal
-            marker.pose.position.x, marker.pose.position.y = float(x), float(y)
-            marker.pose.orientation.w = 1.0
+            marker.action = 0
             marker.scale.x = marker.scale.y = marker.scale.z = 0.5
             marker.color.r, marker.color.b, marker.color.a = 0.9, 0.9, 0.9
         self._goal_marker.publish(marker)
