@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.reef.vehicle import collision_kernels
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.collision_kernels import ellipse_distance, rectangle_distance
 from coral.reef.world.scene import ELLIPSE, RECTANGLE, Footprints
@@ -102,7 +101,7 @@ def test_nearest_equals_the_search_over_all_outlines():
     checked = 0
     for x, y in rng.uniform(-1, 11, (200, 2)):
         distances = np.array([np.hypot(*(edge - [x, y]).T).min() for edge in edges])
-        found = collision_kernels.clearance(x, y, field)
+        found = clearance(field, x, y)
         if found > 0:
             checked += 1
             assert found == pytest.approx(distances.min(), abs=2e-3)

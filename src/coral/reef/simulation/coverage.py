@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import CellSize, Positive
-from coral.reef.vehicle.collision import clearance
+from coral.reef.vehicle.collision_kernels import distances_along
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import ELLIPSE, Footprints, Scene
 
@@ -147,6 +147,6 @@ def _areas(scene: Scene, cell_m: float, closing_m: float) -> list[NDArray[np.flo
     for index in range(len(scene.cluster_names)):
         members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
         cells = rasterise(scene.outlines(members), cell_m, closing_m)
-        free = np.array([clearance(hiders, x, y) > 0.0 for x, y in cells])
+        free = (distances_along(cells, 0.0, hiders) > 0.0).all(axis=1)
         areas.append(cells[free] if free.any() else cells)
     return areas

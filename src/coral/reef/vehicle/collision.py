@@ -5,6 +5,8 @@ The check of the vehicle's own rollouts (Eq. 11) is in `drive/controller_kernels
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +19,8 @@ def clearance(footprints: Footprints, x: float, y: float) -> float:
 
     The world's border does not count. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
-    return float(collision_kernels.clearance(float(x), float(y), footprints))
+    distances = collision_kernels.distances_along(np.array([[x, y]], np.float64), math.inf, footprints)
+    return float(distances.min(initial=math.inf))
 
 
 class ContactCounter:

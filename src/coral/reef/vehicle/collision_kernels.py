@@ -75,28 +75,6 @@ def outline_distance(
 
 
 @njit(cache=True)
-def clearance(
-    x: float,
-    y: float,
-    outlines: Footprints,
-) -> float:
-    """Compute the signed distance (m) from a world point to the nearest outline; inf without any."""
-    kind, center, half, _ = outlines
-    best = np.inf
-    for k in range(kind.size):
-        dx, dy = x - center[k, 0], y - center[k, 1]
-        a, b = half[k, 0], half[k, 1]
-        round_ = max(a, b) if kind[k] == _ELLIPSE else math.sqrt(a * a + b * b)
-        # An outline is never nearer than the circle about it.
-        if math.sqrt(dx * dx + dy * dy) - round_ >= best:
-            continue
-        distance = outline_distance(x, y, k, outlines)
-        if distance < best:
-            best = distance
-    return best
-
-
-@njit(cache=True)
 def distances_along(track: NDArray[np.float64], reach_m: float, outlines: Footprints) -> NDArray[np.float64]:
     """Compute the signed distances (m) from points, Shape=(N, 2), to K outlines, inf beyond `reach_m`. Shape=(N, K)."""
     kind, center, half, _ = outlines
