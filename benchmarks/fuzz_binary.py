@@ -131,7 +131,7 @@ def a_survey() -> bytes:
 
     with tempfile.TemporaryDirectory() as folder:
         seen = LandmarkMap().extended(Sighting(-0.1, 0.1, 1.0, 0.2), Pose(1.0, 1.0, 0.0), 1.0)
-        save_survey(Path(folder), Belief(OccupancyMap((3.0, 3.0), CameraCfg())), Pose(1.0, 1.0, 0.0), seen)
+        save_survey(Path(folder), Belief(OccupancyMap((3.0, 3.0), CameraCfg())), seen)
         return (Path(folder) / SurveyFiles.SAVED).read_bytes()
 
 

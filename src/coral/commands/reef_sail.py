@@ -144,7 +144,7 @@ class ReefSail:
         cfg, fit = with_lens(self, cfg)
         belief, landmarks, sim = None, LandmarkMap(), cfg.simulator
         if self.resume is not None:
-            belief, _, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+            belief, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
         for told in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(told)

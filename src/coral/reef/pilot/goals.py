@@ -56,22 +56,20 @@ class Goals:
 
     def explore(self, asked: AskedState, goal: Goal) -> None:
         """Go on to the next unexplored place of the robot's own tour, as the advisor has said."""
-        before = self._before(asked)
+        reason = "unexplored water comes next in the robot's own tour, to which the advisor left the rest"
+        more = {"violates": False, "centroids": chain_of(asked.outlook.belief)}
+        self._follow(asked, [goal], source="tour", decision=None, index=None, reason=reason, **more)
+
+    def _follow(self, asked: AskedState, goals: list[Goal], **fields: Any) -> None:
+        """Put goals behind those that were under way, and tell the first of them with the fields of its event."""
+        before, (goal, *onward) = self._before(asked), goals
         if not before:
             self._new_goal()
-        self._route.follow([*before, goal], self._clock.now())
-        self._emit(
-            "goal",
-            x=round(goal.x, 3),
-            y=round(goal.y, 3),
-            source="tour",
-            decision=None,
-            index=None,
-            reason="unexplored water comes next in the robot's own tour, to which the advisor left the rest",
-            violates=False,
-            centroids=chain_of(asked.outlook.belief),
-            **({"waits": len(before)} if before else {}),
-        )
+        self._route.follow([*before, *goals], self._clock.now())
+        then = [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]
+        waits = {"waits": len(before)} if before else {}
+        at = {"x": round(goal.x, 3), "y": round(goal.y, 3)}
+        self._emit("goal", **at, **fields, **waits, **({"then": then} if then else {}))
 
     def hold(self, number: int, reason: str) -> None:
         """Keep the present goal, which also is a decision, and not the advisor's."""
@@ -99,23 +97,9 @@ class Goals:
             heard = self._heard(asked, answer)
             self._emit("held", source=decided.source, decision=decided.number, reason=f"dot {label}: {GONE}", **heard)
             return
-        onward, before = planner.onward(asked, answer), self._before(asked)
-        if not before:
-            self._new_goal()
-        self._route.follow([*before, goal, *onward], self._clock.now())
-        then = [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]
-        self._emit(
-            "goal",
-            x=round(goal.x, 3),
-            y=round(goal.y, 3),
-            source=decided.source,
-            decision=decided.number,
-            index=goal.index,
-            reason=getattr(answer, "reason", ""),
-            **planner.adopt(asked, answer, goal),
-            **({"waits": len(before)} if before else {}),
-            **({"then": then} if then else {}),
-        )
+        onward, reason = planner.onward(asked, answer), getattr(answer, "reason", "")
+        told = {"source": decided.source, "decision": decided.number, "index": goal.index, "reason": reason}
+        self._follow(asked, [goal, *onward], **told, **planner.adopt(asked, answer, goal))
 
     def _before(self, asked: AskedState) -> list[Goal]:
         """Return the goals under way that were so when the question was asked."""

@@ -159,11 +159,11 @@ class SeaRecord:
         if not last and t < self._save_due_s:
             return
         self._save_due_s = math.inf
-        tracks, pose = tuple(belief.tracks), belief.pose
+        tracks = tuple(belief.tracks)
 
         def save() -> None:
             begun = time.monotonic()
-            save_survey(self.folder, belief, pose, landmarks, tracks)
+            save_survey(self.folder, belief, landmarks, tracks)
             self._save_due_s = t + max(SAVE_S, (time.monotonic() - begun) / SAVE_SHARE)
 
         if not self.work.offer(save):

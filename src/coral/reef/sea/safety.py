@@ -102,24 +102,6 @@ class Breach:
 
 
 @dataclass
-class _BatteryTrend:
-    """When the battery will reach its limit, by a straight line through what it was."""
-
-    first: tuple[float, float] | None = None
-
-    def left_s(self, t: float, fraction: float | None, least: float) -> float:
-        """Return the time left (s) until the charge is `least`; inf while nothing can be said."""
-        if fraction is None:
-            return math.inf
-        if self.first is None or fraction > self.first[1]:
-            self.first = (t, fraction)
-        spent, since = self.first[1] - fraction, t - self.first[0]
-        if since < 60.0 or spent < 0.02:
-            return math.inf
-        return max(0.0, fraction - least) * since / spent
-
-
-@dataclass
 class SafetyMonitor:
     """Checks every report of the vehicle against the limits."""
 
@@ -132,7 +114,8 @@ class SafetyMonitor:
     sees_m: Callable[[], float] = lambda: math.inf
     """How far the eyes tell oysters from sea floor (m)."""
     _saw_s: float = 0.0
-    _trend: _BatteryTrend = field(default_factory=_BatteryTrend)
+    _full: tuple[float, float] | None = None
+    """When the battery's charge was highest (s), and that charge."""
 
     def accept(self, report: VehicleReport) -> None:
         """Take what has happened so far as known: the operator lets the survey begin, or continue."""
@@ -185,9 +168,20 @@ class SafetyMonitor:
         cfg, home = self.cfg, self.area.start
         way_m = math.dist(pose[:2], home[:2])
         need_s = way_m / cfg.return_speed_m_s + cfg.reserve_s
-        battery_s = self._trend.left_s(t, report.battery_fraction, cfg.battery_min)
+        battery_s = self._battery_left_s(t, report.battery_fraction)
         left_s = min(self.time_limit_s - t, battery_s)
         if left_s > need_s:
             return []
         told = "the time limit" if self.time_limit_s - t <= battery_s else "the battery"
         return [Breach("time", f"{left_s:.0f} s left by {told}, {way_m:.0f} m from the start", cfg.on_time)]
+
+    def _battery_left_s(self, t: float, fraction: float | None) -> float:
+        """Return the time (s) until the charge is at its limit, by a straight line; inf while nothing can be said."""
+        if fraction is None:
+            return math.inf
+        if self._full is None or fraction > self._full[1]:
+            self._full = (t, fraction)
+        spent, since = self._full[1] - fraction, t - self._full[0]
+        if since < 60.0 or spent < 0.02:
+            return math.inf
+        return max(0.0, fraction - self.cfg.battery_min) * since / spent

@@ -1,4 +1,4 @@
-"""A survey on disk: map, clusters and last pose, to continue with after the battery was changed."""
+"""A survey on disk: map, clusters and landmarks, to continue with after the battery was changed."""
 
 from __future__ import annotations
 
@@ -19,22 +19,18 @@ from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.world.geometry import Pose
 from coral.run_files import SurveyFiles
 
 FORMAT = "coral-saved-survey/1"
 _TRACK_KEYS = ("index", "x", "y", "area_px", "length_m", "far")
 
 
-def save_survey(
-    folder: Path, belief: Belief, pose: Pose, landmarks: LandmarkMap, clusters: Sequence[Track] | None = None
-) -> None:
+def save_survey(folder: Path, belief: Belief, landmarks: LandmarkMap, clusters: Sequence[Track] | None = None) -> None:
     """Write `survey.npz` into a run folder: everything a later survey needs, atomically.
 
     Args:
         folder: Run folder.
         belief: What the vehicle knows.
-        pose: Where it is, in the survey's frame.
         landmarks: Those of its localizer.
         clusters: The clusters, where another thread may change them meanwhile; by default the belief's.
     """
@@ -44,7 +40,6 @@ def save_survey(
         "format": FORMAT,
         "size_m": list(belief.map.size_m),
         "cell_m": belief.map.cfg.cell_m,
-        "pose": list(pose),
         "tracks": tracks,
     }
     buffer = io.BytesIO()
@@ -64,8 +59,8 @@ def load_survey(
     map_cfg: MapCfg,
     cfg: BeliefCfg,
     sonar: SonarCfg | None = None,
-) -> tuple[Belief, Pose, LandmarkMap]:
-    """Read the survey that a run folder has saved. Return what is known, the last pose and the landmarks.
+) -> tuple[Belief, LandmarkMap]:
+    """Read the survey that a run folder has saved. Return what is known, and the landmarks.
 
     A file of version 0.2.0 or before has no landmarks.
 
@@ -82,7 +77,6 @@ def load_survey(
         trail = np.asarray(arrays.pop("trail"), np.float64).reshape(-1, 2)
         if head["format"] != FORMAT:
             raise ValueError(f"format {head['format']}")
-        pose = Pose(*(float(v) for v in head["pose"]))
         old_size, old_cell = tuple(head["size_m"]), float(head["cell_m"])
         landmarks = LandmarkMap.recalled(arrays) if "landmarks" in arrays else LandmarkMap()
         tracks = [Track(**{key: track[key] for key in _TRACK_KEYS}) for track in head["tracks"]]
@@ -100,4 +94,4 @@ def load_survey(
         raise InputError(str(path), "", first_line(error), expected) from None
     belief = Belief(cells, cfg)
     belief.recall(tracks, trail)
-    return belief, pose, landmarks
+    return belief, landmarks

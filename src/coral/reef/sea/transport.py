@@ -79,11 +79,6 @@ class UdpLine:
             ) from None
         self._socket.setblocking(False)
 
-    @property
-    def port(self) -> int:
-        """The local port."""
-        return int(self._socket.getsockname()[1])
-
     def receive(self, timeout_s: float) -> bytes:
         """Wait for one datagram."""
         try:
