@@ -268,11 +268,11 @@ def test_drives_around_an_obstacle_without_touching_it_and_holds_at_the_goal():
 @pytest.mark.parametrize("period_s", [0.1, 0.25])
 def test_the_warm_start_is_one_control_period_later(period_s):
     controller = DdpMppi(rng=np.random.default_rng(1), control_period_s=period_s)
-    plan = controller.plan(VehicleState(3.0, 6.0, 0.0, 0.3), field_to((9.0, 6.0), OPEN), OPEN)
-    expected = shift_matrix(controller.schedule.dt, period_s) @ plan.controls
+    controller.plan(VehicleState(3.0, 6.0, 0.0, 0.3), field_to((9.0, 6.0), OPEN), OPEN)
+    expected = shift_matrix(controller.schedule.dt, period_s) @ controller._nominal
     np.testing.assert_allclose(controller.warm_start(), expected)
     # Half an interval of 0.5 s later the first command is the mean of the first two of the old ones, and so on.
-    assert not np.allclose(controller.warm_start(), plan.controls)
+    assert not np.allclose(controller.warm_start(), controller._nominal)
 
 
 def test_a_goal_behind_is_turned_to_on_a_small_circle():
@@ -303,8 +303,7 @@ def test_plan_describes_itself():
     controller = DdpMppi(MppiCfg(keep_rollouts=True), rng=np.random.default_rng(1))
     plan = controller.plan(VehicleState(3.0, 6.0, 0.0), field_to((9.0, 6.0), OPEN), OPEN)
     assert plan.path.shape == (11, 3)
-    assert plan.times[-1] == pytest.approx(5.0)
-    assert plan.command == tuple(plan.controls[0])
+    assert plan.command == tuple(controller._nominal[0])
     assert plan.rollouts is not None
     assert plan.rollouts.shape == (400, 11, 3)
     assert plan.feasible is not None
@@ -401,4 +400,4 @@ def test_one_state_that_is_not_finite_fails_and_spoils_no_later_plan(bad):
     assert (failed.ok, failed.command, failed.failure) == (False, (0.0, 0.0), NOT_FINITE)
     after = controller.plan(VehicleState(3.0, 6.0, 0.0), field, OPEN)
     assert after.ok
-    assert np.isfinite(after.controls).all()
+    assert np.isfinite(after.path).all()

@@ -91,10 +91,6 @@ class Plan:
     failure: str
     path: Array
     """Poses of the plan in the world. Shape=(T + 1, 3)."""
-    controls: Array
-    """Commands of the plan; the first is `command`. Shape=(T, 2)."""
-    times: Array
-    """Times of the poses, in seconds from now. Shape=(T + 1,)."""
     rollouts: Array | None = None
     """All rollouts, Shape=(K, T + 1, 3), and whether each is `feasible`, Shape=(K,). None unless asked for."""
     feasible: NDArray[np.bool_] | None = None
@@ -171,7 +167,6 @@ class DdpMppi:
         self._rng = rng or np.random.default_rng(0)
         self._model = planar(vehicle.thrusters, vehicle.thrust_max_n)
         self.schedule = schedule(cfg, response)
-        self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
         self._shift = shift_matrix(self.schedule.dt, control_period_s)
         self._weights = cfg.costs.weights
         self._nominal = np.zeros((cfg.n_steps, 2))
@@ -243,8 +238,6 @@ class DdpMppi:
             ok=not failure,
             failure=failure,
             path=path,
-            controls=mean.copy(),
-            times=self._times,
             rollouts=kept[0],
             feasible=kept[1],
         )
@@ -354,6 +347,4 @@ class DdpMppi:
     def _stop(self, state: VehicleState, failure: str, *, ok: bool) -> Plan:
         """Return a plan that brakes and stays."""
         self.reset()
-        n = self.cfg.n_steps
-        path = np.tile(np.array(state[:3], dtype=np.float64), (n + 1, 1))
-        return Plan((0.0, 0.0), ok, failure, path, np.zeros((n, 2)), self._times)
+        return Plan((0.0, 0.0), ok, failure, np.tile(np.array(state[:3], np.float64), (self.cfg.n_steps + 1, 1)))

@@ -25,7 +25,7 @@ class DelayAwareDriver:
     def plan(
         self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *, cell_m: float = 0.05
     ) -> Plan:
-        """Plan from the time when the command begins to act; times and poses of the plan count from there."""
+        """Plan from the time when the command begins to act; poses of the plan count from there."""
         trailing = self._under_way.trailing(state, self._most_m_s)
         ahead, trailing = self._under_way.predict(state, trailing)
         if isinstance(self.driver, DdpMppi):

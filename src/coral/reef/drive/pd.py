@@ -43,7 +43,7 @@ class PdController:
     ) -> Plan:
         """Compute the command towards `cost_field.goal`. The field's values and the map are ignored."""
         if not all(map(math.isfinite, state)):
-            return Plan((0.0, 0.0), False, NOT_FINITE, np.zeros((11, 3)), np.zeros((10, 2)), np.zeros(11))
+            return Plan((0.0, 0.0), False, NOT_FINITE, np.zeros((11, 3)))
         dx, dy = cost_field.goal[0] - state.x, cost_field.goal[1] - state.y
         distance = math.hypot(dx, dy)
         bearing = wrap(math.atan2(dy, dx) - state.theta)
@@ -53,8 +53,7 @@ class PdController:
             # The error along the body's x axis. The vehicle turns to a goal behind it and does not reverse.
             v = min(max(SURGE_KP_N_M / SURGE_KD_NS_M * distance * math.cos(bearing), 0.0), v_max)
             omega = min(max(YAW_KP_NM_RAD / YAW_KD_NMS_RAD * bearing, -w_max), w_max)
-        times = np.linspace(0.0, HORIZON_S, 11)
-        along = np.minimum(v * times, distance)[:, None] / max(distance, 1e-9)
+        along = np.minimum(v * np.linspace(0.0, HORIZON_S, 11), distance)[:, None] / max(distance, 1e-9)
         heading = np.full((11, 1), math.atan2(dy, dx))
         path = np.hstack([(state.x, state.y) + along * (dx, dy), heading])
-        return Plan((v, omega), True, "", path, np.tile((v, omega), (10, 1)), times)
+        return Plan((v, omega), True, "", path)
