@@ -9,6 +9,7 @@ compiler can vectorise them.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -19,6 +20,23 @@ from coral.reef.world.scene import SceneSolids
 WATER, SEABED = -2, -1
 """Values of `ids` where no solid is seen."""
 _ELLIPSOID, _BOX = 0, 1
+
+
+class ZBuffer(NamedTuple):
+    """What is seen so far of H by W pixels, and their rays."""
+
+    near: float
+    """Smallest depth (m) at which a surface is seen."""
+    p: NDArray[np.float64]
+    """(u - cx) / fx of every column. Shape=(W,)."""
+    q: NDArray[np.float64]
+    """(v - cy) / fy of every row. Shape=(H,)."""
+    lens: tuple[float, float, float, float]
+    """fx, fy, cx, cy (px)."""
+    depth: NDArray[np.float32]
+    """Depth (m) of what is seen. Shape=(H, W)."""
+    ids: NDArray[np.int32]
+    """Index of the solid that is seen, or `WATER` or `SEABED`. Shape=(H, W)."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,10 +74,10 @@ def render(
     width, height = p.size, q.size
     turn = np.ascontiguousarray(pose[:3, :3])
     eye = pose[:3, 3].copy()
-    _seabed(turn, seabed_z - eye[2], near, p, q, reach, depth, ids)
-    # A ball is out of view if it lies wholly beyond one of the four side planes. Their normals are unit vectors here.
     fx, fy = 1.0 / (p[1] - p[0]), 1.0 / (q[1] - q[0])
-    cx, cy = -p[0] * fx, -q[0] * fy
+    seen = ZBuffer(near, p, q, (fx, fy, -p[0] * fx, -q[0] * fy), depth, ids)
+    _seabed(turn, seabed_z - eye[2], reach, seen)
+    # A ball is out of view if it lies wholly beyond one of the four side planes. Their normals are unit vectors here.
     left, right, top, bottom = p[0], p[width - 1], q[0], q[height - 1]
     n_left, n_right = 1.0 / math.sqrt(1.0 + left * left), 1.0 / math.sqrt(1.0 + right * right)
     n_top, n_bottom = 1.0 / math.sqrt(1.0 + top * top), 1.0 / math.sqrt(1.0 + bottom * bottom)
@@ -87,13 +105,13 @@ def render(
             for k in range(3):
                 unit[j, k] = (a * turn[0, k] + b * turn[1, k] + c * turn[2, k]) * scale
         if kind[i] == _ELLIPSOID:
-            _ellipsoid(i, origin, unit, near, p, q, fx, fy, cx, cy, depth, ids)
+            _ellipsoid(i, origin, unit, seen)
         else:
-            _window(x, y, z, unit, half[i], near, fx, fy, cx, cy, width, height, window)
+            _window(x, y, z, unit, half[i], seen, window)
             if kind[i] == _BOX:
-                _box(i, origin, unit, near, p, q, window, depth, ids)
+                _box(i, origin, unit, window, seen)
             else:
-                _cylinder(i, origin, unit, near, p, q, window, depth, ids)
+                _cylinder(i, origin, unit, window, seen)
     for v in range(height):
         for u in range(width):
             i = ids[v, u]
@@ -108,17 +126,9 @@ def render(
 
 
 @njit(cache=True, error_model="numpy")
-def _seabed(
-    turn: NDArray[np.float64],
-    drop: float,
-    near: float,
-    p: NDArray[np.float64],
-    q: NDArray[np.float64],
-    reach: NDArray[np.float32],
-    depth: NDArray[np.float32],
-    ids: NDArray[np.int32],
-) -> None:
+def _seabed(turn: NDArray[np.float64], drop: float, reach: NDArray[np.float32], seen: ZBuffer) -> None:
     """Start the z-buffer with the plane at height `drop` (m, negative below the camera), seen only from above."""
+    near, p, q, _, depth, ids = seen
     for v in range(q.size):
         e = turn[2, 1] * q[v] + turn[2, 2]
         slope = turn[2, 0]
@@ -132,21 +142,9 @@ def _seabed(
 
 
 @njit(cache=True, error_model="numpy")
-def _ellipsoid(
-    i: int,
-    o: NDArray[np.float64],
-    m: NDArray[np.float64],
-    near: float,
-    p: NDArray[np.float64],
-    q: NDArray[np.float64],
-    fx: float,
-    fy: float,
-    cx: float,
-    cy: float,
-    depth: NDArray[np.float32],
-    ids: NDArray[np.int32],
-) -> None:
+def _ellipsoid(i: int, o: NDArray[np.float64], m: NDArray[np.float64], seen: ZBuffer) -> None:
     """Intersect the unit ball |o + t d'|^2 = 1. Its silhouette |d'|^2 = |o x d'|^2, a conic, bounds the pixels."""
+    near, p, q, (fx, fy, cx, cy), depth, ids = seen
     width, height = p.size, q.size
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
@@ -212,16 +210,11 @@ def _window(
     z: float,
     m: NDArray[np.float64],
     half: NDArray[np.float64],
-    near: float,
-    fx: float,
-    fy: float,
-    cx: float,
-    cy: float,
-    width: int,
-    height: int,
+    seen: ZBuffer,
     window: NDArray[np.int64],
 ) -> None:
     """Return the pixels [u0, u1) x [v0, v1) that an oriented box can cover in front of the near plane."""
+    near, (fx, fy, cx, cy), (height, width) = seen.near, seen.lens, seen.depth.shape
     corner = np.empty((8, 3))
     for k in range(8):
         # m is diag(1 / half) R_object_camera: half^2 times its rows are the box's half edges in the camera frame.
@@ -251,18 +244,9 @@ def _window(
 
 
 @njit(cache=True, error_model="numpy")
-def _box(
-    i: int,
-    o: NDArray[np.float64],
-    m: NDArray[np.float64],
-    near: float,
-    p: NDArray[np.float64],
-    q: NDArray[np.float64],
-    window: NDArray[np.int64],
-    depth: NDArray[np.float32],
-    ids: NDArray[np.int32],
-) -> None:
+def _box(i: int, o: NDArray[np.float64], m: NDArray[np.float64], window: NDArray[np.int64], seen: ZBuffer) -> None:
     """Intersect the cube |x|, |y|, |z| <= 1: the ray is inside from the last slab entered to the first slab left."""
+    near, p, q, _, depth, ids = seen
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
     for v in range(window[2], window[3]):
@@ -289,18 +273,9 @@ def _box(
 
 
 @njit(cache=True, error_model="numpy")
-def _cylinder(
-    i: int,
-    o: NDArray[np.float64],
-    m: NDArray[np.float64],
-    near: float,
-    p: NDArray[np.float64],
-    q: NDArray[np.float64],
-    window: NDArray[np.int64],
-    depth: NDArray[np.float32],
-    ids: NDArray[np.int32],
-) -> None:
+def _cylinder(i: int, o: NDArray[np.float64], m: NDArray[np.float64], window: NDArray[np.int64], seen: ZBuffer) -> None:
     """Intersect the cylinder x^2 + y^2 <= 1, |z| <= 1: the side as a quadratic, the caps as a slab."""
+    near, p, q, _, depth, ids = seen
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
     outside = o0 * o0 + o1 * o1 - 1.0
