@@ -184,10 +184,11 @@ def test_hull_check_counts_points_on_the_circle():
     distance = discs((3.0, 3.0, 0.2))
     angles = 2 * np.pi * np.arange(32) / 32
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert not hull_is_free(distance, CELL, 0.3, 0.05, 3.52, 3.0, circle, 32)
-    assert hull_is_free(distance, CELL, 0.3, 0.05, 3.65, 3.0, circle, 32)
+    scene = scene_of(distance, CostField.straight((240, 240), (10.0, 6.0)), margin_m=0.05)
+    assert not hull_is_free(scene, 3.52, 3.0, circle, 32)
+    assert hull_is_free(scene, 3.65, 3.0, circle, 32)
     # Eq. 11's point of fewer points: one of them at angle 0 looks away from the disc
-    assert hull_is_free(distance, CELL, 0.3, 0.05, 3.52, 3.0, circle, 1)
+    assert hull_is_free(scene, 3.52, 3.0, circle, 1)
 
 
 def test_a_thin_obstacle_between_two_steps_is_seen():

@@ -287,10 +287,7 @@ class DdpMppi:
     def _stands(self, scene: RolloutScene, x: float, y: float) -> bool:
         """Check whether a robot that stays at (x, y) is feasible: each step checks other points of the boundary."""
         steps = zip(self.schedule.circle, self.schedule.points, strict=True)
-        return all(
-            hull_is_free(scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, x, y, points, n)
-            for points, n in steps
-        )
+        return all(hull_is_free(scene, x, y, points, n) for points, n in steps)
 
     def _sample(self) -> Array:
         """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2).

@@ -79,23 +79,14 @@ def turn(c: float, s: float, angle: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def hull_is_free(
-    distance: NDArray[np.float32],
-    cell_m: float,
-    hull_m: float,
-    margin_m: float,
-    x: float,
-    y: float,
-    circle: Array,
-    n: int,
-) -> bool:
+def hull_is_free(scene: RolloutScene, x: float, y: float, circle: Array, n: int) -> bool:
     """Check whether n points on the hull's boundary (N_t of Eq. 11) all keep the margin.
 
-    `distance`, Shape=(H, W), is that to the nearest known obstacle (m); `circle`, Shape=(>=n, 2), holds unit vectors.
+    `circle`, Shape=(>=n, 2), holds unit vectors.
     """
     for k in range(n):
-        px, py = x + hull_m * circle[k, 0], y + hull_m * circle[k, 1]
-        if clearance_at(distance, cell_m, px, py) <= margin_m:
+        px, py = x + scene.hull_m * circle[k, 0], y + scene.hull_m * circle[k, 1]
+        if clearance_at(scene.distance, scene.cell_m, px, py) <= scene.margin_m:
             return False
     return True
 
@@ -138,11 +129,11 @@ def rollout(
     c0, s0 = math.cos(start[2]), math.sin(start[2])
     horizon, at_once = schedule.dt.sum(), 1.0 - schedule.trail
     inv_m11, inv_m22, inv_m66 = 1.0 / model.m11, 1.0 / model.m22, 1.0 / model.m66
-    distance, cell, hull, margin, circle = scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, schedule.circle
+    distance, cell, margin = scene.distance, scene.cell_m, scene.margin_m
     range2, cell2 = scene.range_m * scene.range_m, cell * cell
     # With the centre this far from all obstacles no boundary point can fail: the distance is 1-Lipschitz, up to half a
     # diagonal of each of the two cells compared.
-    clear = hull + margin + 1.5 * cell
+    clear = scene.hull_m + margin + 1.5 * cell
     scales = scene.scales
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
@@ -198,9 +189,7 @@ def rollout(
                         px, py = x + 0.5 * (1 + part) * dx, y + 0.5 * (1 + part) * dy
                         d = clearance_at(distance, cell, px, py)
                         nearest = min(nearest, d)
-                        if d <= margin or (
-                            d < clear and not hull_is_free(distance, cell, hull, margin, px, py, circle[t], n_points)
-                        ):
+                        if d <= margin or (d < clear and not hull_is_free(scene, px, py, schedule.circle[t], n_points)):
                             ok = False
                 x, y, th = x + dx, y + dy, th + 2.0 * half
                 c, s = turn(cm, sm, half)
