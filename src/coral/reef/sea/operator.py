@@ -37,10 +37,7 @@ class OperatorWords:
 
     def take(self) -> list[tuple[Word, str]]:
         """Return what was said since the last call, oldest first."""
-        said = []
-        while not self._said.empty():
-            said.append(self._said.get_nowait())
-        return said
+        return [self._said.get_nowait() for _ in range(self._said.qsize())]
 
 
 @dataclass(frozen=True)
@@ -87,10 +84,7 @@ class VehicleOrders:
 
     def results(self) -> list[OrderResult]:
         """Return what became of orders since the last call."""
-        found = []
-        while not self._results.empty():
-            found.append(self._results.get_nowait())
-        return found
+        return [self._results.get_nowait() for _ in range(self._results.qsize())]
 
     def wait(self, timeout_s: float, sleep: Callable[[float], None]) -> None:
         """Wait until no order is pending, at the end of a survey."""
