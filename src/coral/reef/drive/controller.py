@@ -299,18 +299,20 @@ class DdpMppi:
         first = warm + self._n_warm
         n_window = cfg.n_rollouts - first
         controls = self._rng.standard_normal(out=self._controls)
-        controls *= (cfg.sigma_v, cfg.sigma_omega)
-        window = np.stack([self._rng.uniform(0.0, v_max, n_window), self._rng.uniform(-w_max, w_max, n_window)], axis=1)
+        v, w = controls[..., 0], controls[..., 1]
+        v *= cfg.sigma_v
+        w *= cfg.sigma_omega
+        controls[0], controls[1], controls[2 : min(warm, 7)] = 0.0, warm_start, 0.0
+        controls[warm:first] += warm_start
+        v[first:] += self._rng.uniform(0.0, v_max, n_window)[:, None]
+        w[first:] += self._rng.uniform(-w_max, w_max, n_window)[:, None]
         # Half of them brake from a random step on: in clutter, few constants stay feasible over the whole horizon.
         brake = self._rng.integers(1, n, n_window)
         brake[::2] = n
-        controls[0], controls[1] = 0.0, warm_start
-        controls[2 : min(warm, 7)] = 0.0
-        controls[warm:first] += warm_start
-        controls[first:] += window[:, None, :]
         controls[first:][np.arange(n)[None, :] >= brake[:, None]] = 0.0
-        for free in (controls[:2], controls[warm:]):
-            np.clip(free, (0.0, -w_max), (v_max, w_max), out=free)
+        for free in (slice(0, 2), slice(warm, None)):
+            np.clip(v[free], 0.0, v_max, out=v[free])
+            np.clip(w[free], -w_max, w_max, out=w[free])
         return controls
 
     def _sample_recovery(self) -> Array:
