@@ -56,7 +56,7 @@ class CoverageMeter:
     def update(self, pose: Pose) -> None:
         """Mark the area seen from a true pose."""
         unseen = np.flatnonzero(~self._seen)
-        dx, dy = (self._cells[unseen] - (pose.x, pose.y)).T
+        dx, dy = self._cells[unseen, 0] - pose.x, self._cells[unseen, 1] - pose.y
         distance = np.sqrt(dx * dx + dy * dy)
         ahead = math.cos(pose.theta) * dx + math.sin(pose.theta) * dy
         edge = math.cos(math.radians(self.cfg.hfov_deg) / 2)
@@ -86,10 +86,8 @@ class CoverageMeter:
             for e, g in ((ex, gx), (ey, gy)):
                 with np.errstate(divide="ignore", invalid="ignore"):  # a segment along an edge: all of it, or nothing
                     first, second = (-1.0 - e) / g, (1.0 - e) / g
-                enter, leave = (
-                    np.maximum(enter, np.minimum(first, second)),
-                    np.minimum(leave, np.maximum(first, second)),
-                )
+                enter = np.maximum(enter, np.minimum(first, second))
+                leave = np.minimum(leave, np.maximum(first, second))
             hidden |= enter < leave
         return hidden
 
