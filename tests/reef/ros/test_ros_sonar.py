@@ -54,7 +54,7 @@ def test_a_point_ahead_is_heard_ahead():
     heard, node = sonar()
     node.heard["/ranges"](cloud((3.0, 0.01, 0.01)))
     found = heard.read()
-    assert found.stamp_s == 5.0
+    assert found.t == 5.0
     assert np.nanmin(found.value.ranges) == pytest.approx(3.0, abs=1e-3)
     assert np.abs(np.argwhere(np.isfinite(found.value.ranges))[0] - AHEAD).max() <= 1
     assert heard.read() is None

@@ -12,6 +12,7 @@ from coral.reef.ros import ros_sonar
 from coral.reef.ros.newest import OLD_S
 from coral.reef.ros.ros_camera import RosCamera
 from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.sensing import Stamped
 from coral.ros.ros_node import RosNode
 
 pytestmark = pytest.mark.ros2
@@ -55,7 +56,7 @@ def age_of(source):
         end = time.monotonic() + 3.0
         while time.monotonic() < end:
             found = source.read()
-        return time.monotonic() - found.stamp_s
+        return time.monotonic() - (found.t if isinstance(found, Stamped) else found.stamp_s)
     finally:
         source.close()
 

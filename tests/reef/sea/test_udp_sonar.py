@@ -54,7 +54,7 @@ def test_an_image_arrives_and_its_sender_is_known(sender):
 def test_a_packet_that_comes_late_has_an_old_stamp(sender):
     sender.ping(1_700_000_000.0)
     sender.clock.now = 500.7
-    assert sender.ping(1_700_000_000.2).stamp_s == pytest.approx(500.2)
+    assert sender.ping(1_700_000_000.2).t == pytest.approx(500.2)
 
 
 def test_nothing_and_other_messages_are_no_image(sender, monkeypatch):
