@@ -1,4 +1,4 @@
-"""One tracked object: its tracker, and its filtered motion in the world or in the hand that holds it."""
+"""One tracked object: its tracker, and its filtered motion in the world or in the hand that is felt to hold it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coral.config import Count, Fraction, NonNegative
-from coral.contact.perception.tracker import PoseTracker
+from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.tracker import PoseEstimate, PoseTracker
 from coral.contact.scene.geometry import (
     inverse_transform,
     pose_matrix,
@@ -17,6 +18,15 @@ from coral.contact.scene.geometry import (
     rotation_vector,
 )
 from coral.contact.scene.observation import Array
+
+SQUEEZE_M = 0.004
+"""The commanded distance of the fingers is at least this much smaller than the measured one."""
+SLACK_M = 0.008
+"""Maximum gap between the object and each finger."""
+KEEP = 2.0
+"""Hysteresis: for a grasp already detected, the slack is multiplied by this and the squeeze divided by it."""
+_PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
+"""The pads in the tool's frame (m): half their width, and their ends along the fingers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +111,25 @@ _IN_HAND = MotionFilterCfg(position_gain=0.3, velocity_gain=0.0)
 """Squeezed between rubber pads an object moves with them; any other motion in the pictures is mostly noise."""
 
 
+def is_grasped(shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool) -> bool:
+    """Decide whether the fingers, commanded to close further than they can, hold the object, as they may have `before`.
+
+    T_tool_object, Shape=(4, 4), is estimated; the openings are the measured and the commanded distance of the pads.
+    """
+    ease = KEEP if before else 1.0
+    if opening_m - wanted_m < SQUEEZE_M / ease:
+        return False
+    points = shape.points @ T_tool_object[:3, :3].T + T_tool_object[:3, 3]
+    reach = 0.005 * (ease - 1.0)
+    x, z = np.abs(points[:, 0]), points[:, 2]
+    near = points[(x < _PAD_X + reach) & (z > _PAD_LOW) & (z < _PAD_HIGH + reach)]
+    if len(near) < 4:
+        return False
+    low, high = float(near[:, 1].min()), float(near[:, 1].max())
+    slack = SLACK_M * ease
+    return abs(high - opening_m / 2) < slack and abs(low + opening_m / 2) < slack
+
+
 class TrackedObject:
     """Tracks one object in the frame in which it rests: the world's, or the hand's while the fingers hold it."""
 
@@ -109,6 +138,19 @@ class TrackedObject:
         self.held = False
         self.lost_since: float | None = None
         self.motion: MotionFilter | None = None
+
+    def measure(self, estimate: PoseEstimate, tool: Array, time_s: float) -> None:
+        """Update its motion by a pose that is not lost, with the hand at T_world_tool; a registered one begins anew."""
+        T = inverse_transform(tool) @ estimate.T_world_object if self.held else estimate.T_world_object
+        if self.motion is None or estimate.registered:
+            self.begin(T, time_s)
+        else:
+            self.motion.update(T, time_s)
+
+    def feel(self, shape: ObjectModel, tool: Array, opening_m: float, wanted_m: float, time_s: float) -> None:
+        """Decide by `is_grasped` whether the fingers hold it, with the hand at T_world_tool."""
+        inside = inverse_transform(tool) @ self.at(tool, time_s)
+        self.hold(is_grasped(shape, inside, opening_m, wanted_m, self.held), tool, time_s)
 
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
         """Change to the hand's frame, T_world_tool, Shape=(4, 4), if it is now `held`, or back to the world's."""

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.symmetry import PoseDifference, compare_poses
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
@@ -112,11 +111,8 @@ class TrackedWorld(WrappedWorld):
         tool = body_to_matrix(now.tool)
         self._deliver(now.time_s)
         for name, one in self._objects.items():
-            if name in self._unseen:
-                continue
-            inside = inverse_transform(tool) @ one.at(tool, now.time_s)
-            held = is_grasped(self._shapes[name], inside, now.opening_m, target.opening_m, one.held)
-            one.hold(held, tool, now.time_s)
+            if name not in self._unseen:
+                one.feel(self._shapes[name], tool, now.opening_m, target.opening_m, now.time_s)
         if now.time_s >= self._due_s - 1e-9:
             self._due_s += self.cfg.period_s
             frame = self._take(now)
@@ -192,10 +188,8 @@ class TrackedWorld(WrappedWorld):
             if estimate is None or estimate.lost:
                 if one.motion is None:
                     missing[name] = "no picture" if estimate is None else estimate.reason
-            elif one.motion is None or estimate.registered:
-                one.begin(estimate.T_world_object, now.time_s)
             else:
-                one.motion.update(estimate.T_world_object, now.time_s)
+                one.measure(estimate, body_to_matrix(now.tool), now.time_s)
         return missing
 
     def _close_trackers(self) -> None:

@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.object_model import ObjectModel, from_trial
 from coral.contact.perception.tracked_object import TrackedObject
 from coral.contact.perception.tracked_world import nominal_pose
@@ -16,7 +15,6 @@ from coral.contact.perception.tracker import PoseEstimate, PoseTracker
 from coral.contact.perception.tracker_registry import TrackerChoice
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.masks.mask_source import MaskSource, make_masks
-from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array
 from coral.contact.scene.trial import Trial
@@ -58,18 +56,11 @@ class ObjectTracking:
     def _follow_hand(self, name: str, estimate: PoseEstimate, hand: HandReading, time_s: float) -> None:
         """Decide whether the hand holds the object, and update where in the hand it is."""
         one, tool = self._objects[name], hand.T_world_tool
-        if estimate.lost:
-            if one.motion is None:
-                return
-        else:
-            T = inverse_transform(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
-            if one.motion is None or estimate.registered:
-                one.begin(T, time_s)
-            else:
-                one.motion.update(T, time_s)
-        inside = inverse_transform(tool) @ one.at(tool, time_s)
-        shape = self.models[name]
-        one.hold(is_grasped(shape, inside, hand.opening_m, hand.wanted_m, one.held), tool, time_s)
+        if not estimate.lost:
+            one.measure(estimate, tool, time_s)
+        elif one.motion is None:
+            return
+        one.feel(self.models[name], tool, hand.opening_m, hand.wanted_m, time_s)
         if one.held:
             self.in_hand[name] = one.known.predict(time_s)
         else:
