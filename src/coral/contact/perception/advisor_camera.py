@@ -9,8 +9,7 @@ import cv2
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.contact.perception.camera import RayCamera, RgbdFrame, look_at
-from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
+from coral.contact.perception.camera import RayCamera, RgbdFrame, hidden_geoms, instance_names, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import simulation_of

@@ -9,9 +9,8 @@ import mujoco
 import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
-from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, instance_names, look_at
 from coral.contact.perception.depth_noise import SENSORS, DepthNoiseCfg, Sensor
-from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError

@@ -21,8 +21,7 @@ from coral.contact.episode.policy_cfg import PolicyCamerasCfg
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import make_referee
 from coral.contact.episode.trial_log import conditions_not_held, start_fields, write_head
-from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.scene_geoms import covered_geoms
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, covered_geoms, look_at
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import PolicyClient, PolicyError, printable

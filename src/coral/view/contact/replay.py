@@ -8,8 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, hidden_geoms, instance_names, look_at
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
