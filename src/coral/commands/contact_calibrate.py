@@ -7,16 +7,25 @@ from contextlib import closing
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import cv2
+import numpy as np
+
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.calibration.board_calibration import calibrate_by_held_board, calibrate_by_placed_board
+from coral.contact.real_scenes.calibration.camera_pose_file import (
+    CameraCalibration,
+    read_hand_poses,
+    write_camera_pose,
+)
+from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
 from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
+from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
+from coral.contact.scene.geometry import pose_matrix, rotation_about
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.flags import Option, forms_text
-
-if TYPE_CHECKING:
-    from coral.contact.perception.camera import RgbdFrame
-    from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 
 MOST_PICTURES = 500
 
@@ -46,8 +55,6 @@ class ContactCalibrate:
     """Print one JSON object on standard output."""
 
     def __call__(self) -> Mapping[str, Any]:
-        from coral.contact.real_scenes.calibration.camera_pose_file import write_camera_pose
-
         if self.draw is not None:
             return self._draw(self.draw)
         if (self.board_at is None) == (self.hand_poses is None):
@@ -79,10 +86,6 @@ class ContactCalibrate:
         return f"{result['method']}: the camera stands at {x:+.3f} {y:+.3f} {z:+.3f} m; {left}\n{result['out']}"
 
     def _draw(self, path: Path) -> dict[str, Any]:
-        import cv2
-
-        from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
-
         if path.exists():
             raise InputError("--draw", "", str(path), "a new file")
         board = CharucoBoard(self.board)
@@ -91,8 +94,6 @@ class ContactCalibrate:
         return {"drawn": str(path), "width_m": columns * board.square_m, "height_m": rows * board.square_m}
 
     def _take(self, word: str) -> list[RgbdFrame]:
-        from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
-
         with closing(make_camera_by_name(word)) as camera:
             if camera.live and self.hand_poses is not None:
                 raise InputError("--camera", "", word, "a recording with one picture for each pose of the hand")
@@ -103,16 +104,6 @@ class ContactCalibrate:
         return frames
 
     def _by_board(self, frames: list[RgbdFrame]) -> tuple[CameraCalibration, str]:
-        import numpy as np
-
-        from coral.contact.real_scenes.calibration.board_calibration import (
-            calibrate_by_held_board,
-            calibrate_by_placed_board,
-        )
-        from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
-        from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
-        from coral.contact.scene.geometry import pose_matrix, rotation_about
-
         board = CharucoBoard(self.board)
         colours = [frame.rgb for frame in frames if frame.rgb is not None]
         if len(colours) < len(frames):

@@ -15,9 +15,16 @@ import numpy as np
 
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import TRACKERS, choose_tracker
+from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
 from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
+from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
 from coral.contact.real_scenes.masks.mask_source import MASKS
+from coral.contact.real_scenes.object_tracking import track_objects
+from coral.contact.real_scenes.pose_picture import draw_poses
+from coral.contact.scene.geometry import matrix_to_body, quaternion_of
 from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option, forms_text
@@ -52,14 +59,6 @@ class ContactPoses:
     """No line for each picture."""
 
     def __call__(self) -> Mapping[str, Any]:
-        from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
-        from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
-        from coral.contact.real_scenes.object_tracking import track_objects
-        from coral.contact.real_scenes.pose_picture import draw_poses
-        from coral.contact.scene.geometry import matrix_to_body
-        from coral.contact.scene.trial import sample_trial
-        from coral.contact.tasks import load_task
-
         if self.pictures < 0:
             raise InputError("--pictures", "", self.pictures, "0 or more")
         if self.picture is not None and self.picture.exists():
@@ -125,8 +124,6 @@ class ContactPoses:
 
 
 def _pose(estimate: PoseEstimate | None) -> dict[str, Any]:
-    from coral.contact.scene.geometry import quaternion_of
-
     if estimate is None:
         return {"position_m": None, "quaternion": None, "confidence": None}
     pose = estimate.T_world_object

@@ -25,7 +25,7 @@ from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, covered_ge
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import PolicyClient, PolicyError, printable
-from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.geometry import pose_matrix, rotation_of
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.registry import make_world
@@ -217,7 +217,6 @@ class PolicyCameras:
 
 def wrist_pose(tool: BodyState, place_m: Array) -> Array:
     """Return T_world_camera, Shape=(4, 4), of a wrist's camera (x right, y down, z forward) at a place of the tool."""
-    turn, pose = rotation_of(tool.quaternion), np.eye(4)
-    pose[:3, :3] = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    pose[:3, 3] = tool.position + turn @ place_m
-    return pose
+    turn = rotation_of(tool.quaternion)
+    axes = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    return pose_matrix(turn @ axes, tool.position + turn @ place_m)
