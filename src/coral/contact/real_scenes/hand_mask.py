@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.control.hand_model import HandCfg, add_hand
 from coral.contact.perception.camera import RgbdFrame, draw_depth
 from coral.contact.perception.image_patch import ROBOT_NAME
-from coral.contact.perception.solids import Solids, from_mujoco
+from coral.contact.perception.solids import from_mujoco
 from coral.contact.scene.geometry import inverse_transform
 from coral.contact.scene.observation import Array
 
@@ -42,7 +42,8 @@ class HandMask:
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         tool = data.site("tool").xpos
-        self._solids = _swollen(from_mujoco(model, np.arange(model.ngeom)))
+        self._solids = from_mujoco(model, np.arange(model.ngeom))
+        self._solids.size[self._solids.size > 0.0] += SWELL_M
         self._solids.center[:] = data.geom_xpos - tool
         self._solids.rotation[:] = data.geom_xmat.reshape(-1, 3, 3)
         sides = {"left": 1.0, "right": -1.0}
@@ -58,8 +59,3 @@ class HandMask:
         names = (*frame.names, ROBOT_NAME) if ROBOT_NAME not in frame.names else frame.names
         instance = np.where(shown & (frame.instance == 0), names.index(ROBOT_NAME) + 1, frame.instance)
         return replace(frame, names=names, instance=instance.astype(np.uint8))
-
-
-def _swollen(solids: Solids) -> Solids:
-    solids.size[:] = np.where(solids.size > 0.0, solids.size + SWELL_M, 0.0)
-    return solids
