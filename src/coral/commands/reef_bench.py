@@ -19,7 +19,7 @@ from coral.campaign.sweep import PRESET, parse_sweeps, with_presets
 from coral.campaign.table import Table
 from coral.commands.campaigns import CampaignCommand
 from coral.commands.config_flag import configured, given_keys, set_keys
-from coral.config import checked, to_mapping
+from coral.config import checked, merge, to_mapping
 from coral.errors import InputError
 from coral.flags import Option
 from coral.reef.drive.controllers import controller_maker
@@ -27,7 +27,7 @@ from coral.reef.generator.word_missions import half_of
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
-from coral.reef.mission.resolution import reef_advisor, with_fallback
+from coral.reef.mission.resolution import reef_advisor
 from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
 from coral.reef.pictures.questions import question_pictures
@@ -67,7 +67,7 @@ class ReefEpisode:
 
 def mission_alone() -> MissionCfg:
     """Return the default mission of a campaign: no fallback decides for the advisor, and full coverage ends it."""
-    return with_fallback(MissionCfg(stop_when_covered=True), FOR_BENCHES)
+    return merge(MissionCfg(), {"stop_when_covered": True, "pilot": {"fallback": FOR_BENCHES}}, "--cfg")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,8 @@ class ReefBench(CampaignCommand):
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing missions, then make the tables."""
         if self.fallback is not None:
-            return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
+            cfg = merge(self.cfg, {"pilot": {"fallback": self.fallback}}, "--fallback")
+            return replace(self, cfg=cfg, fallback=None)()
         if self.study not in (None, (), ("words",)):
             raise InputError("--study", "", " ".join(self.study or ()), "words, or nothing")
         if self.collect:

@@ -22,7 +22,7 @@ from coral.commands.reef_run import fulfilled
 from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors, with_lens
 from coral.commands.sail_told import lens_told, survey_told
-from coral.config import Positive, checked, read_config
+from coral.config import Positive, checked, merge, read_config
 from coral.errors import InputError, RunError
 from coral.exit_code import ExitCode
 from coral.file_writer import write_whole
@@ -30,7 +30,7 @@ from coral.flags import Argument, Option
 from coral.plugins import our_part
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import reef_advisor, with_camera_latency, with_deadline, with_sonar
+from coral.reef.mission.resolution import reef_advisor, with_deadline, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment
@@ -228,7 +228,9 @@ class ReefSail:
             raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
         checked(self.safety, "--safety")
         cfg = checked(self.cfg, "--cfg")
-        cfg = with_camera_latency(with_sonar(cfg, self.sonar != "none"), self.camera_latency)
+        # Pictures that are so late by nature may be that much older.
+        guard = {"frame_timeout_s": cfg.pilot.guard.frame_timeout_s + self.camera_latency}
+        cfg = merge(with_sonar(cfg, self.sonar != "none"), {"pilot": {"guard": guard}}, "--cfg")
         cfg = dataclasses.replace(cfg, perception=self.perception or cfg.perception)
         if self.lens is not None and self.camera == "simulated":
             expected = "a real camera (--cfg.simulator.camera is the simulated)"

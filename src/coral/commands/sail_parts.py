@@ -25,7 +25,6 @@ from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.mission.resolution import with_camera
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.latest_reading import LatestReading, SensorSource
@@ -155,7 +154,7 @@ def with_lens(flags: SailFlags, cfg: MissionCfg) -> tuple[MissionCfg, Fit]:
         found = our_part("ros2", "lens", "--camera")(topic, cfg.simulator.camera, place)
     if found is None:
         return cfg, partial(resized, camera=cfg.simulator.camera)
-    return with_camera(cfg, found.view), found.picture
+    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=found.view)), found.picture
 
 
 @contextmanager

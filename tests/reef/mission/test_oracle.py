@@ -4,16 +4,21 @@ import numpy as np
 import pytest
 
 from coral.reef.mission.oracle import Tour, plan_tour
-from coral.reef.simulation.imaging import ImagingMeter
+from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
+from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.collision import clearance
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 
 
+def planned(world, visibility_m=None):
+    return plan_tour(world, CameraCfg(), ImagingCfg(), visibility_m, VehicleCfg())
+
+
 @pytest.fixture(scope="module")
 def tour(pond):
-    return plan_tour(pond)
+    return planned(pond)
 
 
 def test_the_tour_inspects_everything_and_touches_nothing(pond, tour):
@@ -48,7 +53,7 @@ def test_it_is_no_longer_than_a_walk_past_the_clusters_and_no_shorter_than_the_w
 
 
 def test_in_murky_water_it_has_to_go_nearer(pond, tour):
-    murky = plan_tour(pond, visibility_m=1.6)
+    murky = planned(pond, 1.6)
     assert murky.time_to(0.9) > tour.time_to(0.9)
 
 

@@ -2,7 +2,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission, with_camera_latency
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission
 
 
 def test_variant_preset_and_fallback_are_applied(pond):
@@ -15,13 +15,6 @@ def test_variant_preset_and_fallback_are_applied(pond):
 def test_a_person_gets_more_time(pond):
     budget = resolve_mission(MissionCfg(), pond, asks_people=True)[0].pilot.budget
     assert budget.deadline_s == PERSON_DEADLINE_S
-
-
-def test_pictures_that_are_late_by_nature_may_be_older():
-    before = MissionCfg().pilot.guard
-    after = with_camera_latency(MissionCfg(), 0.2).pilot.guard
-    assert after.frame_timeout_s == pytest.approx(before.frame_timeout_s + 0.2)
-    assert after.sonar_timeout_s == before.sonar_timeout_s
 
 
 def test_a_value_out_of_range_is_named(pond):

@@ -11,6 +11,8 @@ from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.tour import drive_lines, lanes
 from coral.reef.mission.variants import apply_variant
+from coral.reef.simulation.imaging import ImagingCfg
+from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.tour_kernels import advance, follow
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
@@ -90,7 +92,7 @@ def test_a_kinematic_vehicle_drives_what_was_planned():
 
 def test_the_oracle_is_a_mission_like_any_other(pond, tmp_path):
     result = Mission(pond, apply_variant("oracle", QUIET), RuleAdvisor(REEF_RULES), tmp_path / "run").run()
-    tour = plan_tour(pond)
+    tour = plan_tour(pond, CameraCfg(), ImagingCfg(), None, VehicleCfg())
     assert (result["collisions"], result["advisor_calls"], result["end_reason"]) == (0, 0, "the tour is done")
     assert result["inspected"] > 0.99
     assert result["time_to_90_s"] == tour.time_to(0.9)

@@ -20,25 +20,32 @@ from coral.reef.world.geometry import Pose, to_robot
 Fact = Mapping[str, Any]
 
 
+def _open_dots(facts: Fact, rejections: Sequence[Rejection]) -> list[Fact]:
+    """Return the clusters to choose from: those left that were not refused, else those left, else all."""
+    refused = {r.details.get("index") for r in rejections}
+    left = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+    return [c for c in left if c["index"] not in refused] or left or list(facts["centroids"])
+
+
+def _open_steps(facts: Fact, rejections: Sequence[Rejection]) -> list[Fact]:
+    """Return the waypoints that were not refused."""
+    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+    return [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+
+
 def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
     """Choose the nearest unvisited centroid and ignore the rest of the map: Rule-Based Selection (paper IV-D)."""
-    refused = {r.details.get("index") for r in rejections}
-    open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
-    best = min(
-        [c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"],
-        key=lambda c: math.hypot(c["forward_m"], c["left_m"]),
-    )
+    best = min(_open_dots(facts, rejections), key=lambda c: math.hypot(c["forward_m"], c["left_m"]))
     return CentroidChoice(selected_centroid_index=best["index"], reason="the nearest unvisited cluster")
 
 
 def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
     """Choose the nearest border of the explored water: frontier exploration (Yamauchi 1997)."""
-    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
     aims = facts["frontiers"] or [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     if not aims:
         return WaypointChoice(forward_m=0, left_m=0, reason="nothing unexplored can be reached")
     aim = min(aims, key=lambda a: a["path_m"])
-    return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest frontier")
+    return _towards(facts, aim["forward_m"], aim["left_m"], rejections, "the nearest frontier")
 
 
 SPACING_M, STRIDE_M, BORDER_M = 6.0, 4.0, 2.0
@@ -56,14 +63,13 @@ class Lawnmower:
         pose = Pose(**facts["arrival"]["pose"])
         if self._points is None:
             self._points = self._lanes(facts["area_m"], pose.x, pose.y)
-        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
         while self._points:
             x, y = self._points[0]
             forward, left = to_robot(pose, x, y)
             if math.hypot(forward, left) < NEAR_M:
                 self._points.pop(0)
                 continue
-            choice = _towards(facts, forward, left, refused, f"lane point ({x:.0f}, {y:.0f}) m")
+            choice = _towards(facts, forward, left, rejections, f"lane point ({x:.0f}, {y:.0f}) m")
             if math.hypot(choice.forward_m, choice.left_m) >= 1.0:
                 return choice
             self._points.pop(0)
@@ -100,9 +106,9 @@ HOME_M = 2.0
 """The same of the start."""
 
 
-def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
+def _towards(facts: Fact, forward: float, left: float, rejections: Sequence[Rejection], name: str) -> WaypointChoice:
     """Choose the option with the least path plus 1.5 times its distance to a point in the robot frame."""
-    open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+    open_ = _open_steps(facts, rejections)
     if not open_:
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
     best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
@@ -117,15 +123,12 @@ class Chance:
 
     def centroid(self, facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
         """Choose uniformly among the reachable unvisited clusters that have not been refused."""
-        refused = {r.details.get("index") for r in rejections}
-        open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
-        chosen = self._draw([c for c in open_ if c["index"] not in refused] or open_ or list(facts["centroids"]))
+        chosen = self._draw(_open_dots(facts, rejections))
         return CentroidChoice(selected_centroid_index=chosen["index"], reason="drawn by lot")
 
     def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
         """Choose uniformly among the admissible waypoints that have not been refused."""
-        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
-        open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+        open_ = _open_steps(facts, rejections)
         if not open_:
             return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
         chosen = self._draw(open_)

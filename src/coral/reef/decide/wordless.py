@@ -90,6 +90,28 @@ class BlindOrders:
         )
 
 
+def late(told: Fact, limit_s: float, home: bool) -> bool:
+    """Whether it is time to end, and before that to drive home."""
+    way_s = math.hypot(told["home"]["forward_m"], told["home"]["left_m"]) / SPEED_M_S if home else 0.0
+    return bool(told["at_s"] + way_s + MARGIN_S >= limit_s)
+
+
+def step_towards(facts: Fact, at: tuple[float, float], why: str, tries: int, way_share: float) -> MissionAnswer:
+    """Go by a waypoint towards a place (m forward, m left), after so many refusals by the next best one.
+
+    What counts is how far the waypoint is from the place, and `way_share` of the way to it.
+    """
+
+    def price(step: Fact) -> float:
+        return way_share * float(step["path_m"]) + math.dist((step["forward_m"], step["left_m"]), at)
+
+    ordered = sorted(facts["options"], key=price)
+    if not ordered:
+        return MissionAnswer(home=True, reason="no way on")
+    best = ordered[min(tries, len(ordered) - 1)]
+    return MissionAnswer(waypoint=WaypointStep(forward_m=best["forward_m"], left_m=best["left_m"]), reason=why)
+
+
 class Wordless:
     """Answers the questions of one mission by orders alone."""
 
@@ -102,23 +124,24 @@ class Wordless:
         orders, told = self.orders, facts["mission"]
         refused = {rejection.details.get("index") for rejection in rejections}
         home_m = math.hypot(told["home"]["forward_m"], told["home"]["left_m"])
-        limit = min(filter(None, (orders.time_s, told["time_s"])), default=math.inf)
-        way_s = home_m / SPEED_M_S if orders.home else 0.0
+        limit_s = min(filter(None, (orders.time_s, told["time_s"])), default=math.inf)
         visited = sum(dot["visited"] for dot in facts["centroids"])
-        late = told["at_s"] + way_s + MARGIN_S >= limit
         open_ = [
             dot
             for dot in facts["centroids"]
             if not dot["visited"] and dot["path_m"] is not None and dot["index"] not in refused
         ]
-        if late or (orders.count is not None and visited >= orders.count and orders.sides == 1):
+        enough = orders.count is not None and visited >= orders.count and orders.sides == 1
+        if enough or late(told, limit_s, orders.home):
             return self._end(facts, home_m)
         if open_ or (orders.sides > 1 and facts["centroids"]):
             return self._towards(facts, open_ or list(facts["centroids"]), home_m)
         fronts = [f for f in facts["frontiers"] if f["path_m"] is not None]
         if not fronts or len(rejections) > 3:
             return self._end(facts, home_m)
-        return self._explore(facts, min(fronts, key=lambda f: f["path_m"]), len(rejections))
+        front = min(fronts, key=lambda f: f["path_m"])
+        at = front["forward_m"], front["left_m"]
+        return step_towards(facts, at, "towards unexplored water", len(rejections), way_share=0.0)
 
     def _towards(self, facts: Fact, dots: Sequence[Fact], home_m: float) -> MissionAnswer:
         orders = self.orders
@@ -131,17 +154,6 @@ class Wordless:
         side: Side = "near" if self._turned == 1 else "right"
         look = LookFrom(dot=near["index"], side=side, distance_m=min(max(orders.off_m + 1.2, 1.5), 6.0))
         return MissionAnswer(look=look, reason="the nearest dot, from another side")
-
-    def _explore(self, facts: Fact, front: Fact, tries: int) -> MissionAnswer:
-        options = facts["options"]
-        if not options:
-            return MissionAnswer(home=True, reason="no way on")
-        order = sorted(
-            options, key=lambda o: math.hypot(o["forward_m"] - front["forward_m"], o["left_m"] - front["left_m"])
-        )
-        best = order[min(tries, len(order) - 1)]
-        step = WaypointStep(forward_m=best["forward_m"], left_m=best["left_m"])
-        return MissionAnswer(waypoint=step, reason="towards unexplored water")
 
     def _end(self, facts: Fact, home_m: float) -> MissionAnswer:
         if self.orders.home and home_m > 2.0:

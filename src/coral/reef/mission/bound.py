@@ -76,7 +76,7 @@ def oracle_bound(
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
 
     def plan() -> dict[str, Any]:
-        tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
+        tour = plan_tour(world, camera, imaging, visibility_m, vehicle, dt)
         return {"time_s": tour.time_to(SHARE), "commands": tour.commands.tolist()}
 
     if key not in _kept:

@@ -93,30 +93,19 @@ def covered_at(folder: Path) -> list[float]:
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Compute the metrics from the events and the rows of the trajectory, both in order."""
     events = list(events)
-    counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
-    requeries = rejections = deviations = 0
-    clusters_total, covered_at, end, preset, judged_by = 0, 0.0, "killed", None, TRUTH
+    told: dict[str, list[Mapping[str, Any]]] = {}
     for event in events:
-        kind = event["event"]
-        if kind in counts:
-            counts[kind] += 1
-        if kind == "start":
-            clusters_total, preset = int(event["clusters_total"]), event.get("preset")
-            judged_by = event.get("judged_by", TRUTH)
-        elif (
-            kind == "judged" and not clusters_total and "clusters" not in event
-        ):  # in real water: those on the vehicle's own map
+        told.setdefault(event["event"], []).append(event)
+
+    def of(kind: str) -> list[Mapping[str, Any]]:
+        return told.get(kind, [])
+
+    start: Mapping[str, Any] = of("start")[-1] if of("start") else {}
+    judged_by = start.get("judged_by", TRUTH)
+    clusters_total = int(start.get("clusters_total", 0))
+    for event in of("judged"):
+        if not clusters_total and "clusters" not in event:  # in real water: those on the vehicle's own map
             clusters_total = int(event["tracks"])
-        elif kind == "question":
-            requeries += event["attempt"] > 0
-        elif kind == "verdict":
-            rejections += event["verdict"] == "rejected"
-        elif kind == "goal":
-            deviations += bool(event.get("violates"))
-        elif kind == "cluster_covered":
-            covered_at = float(event["t"])
-        elif kind == "end":
-            end = event["reason"]
     steps, distance, clearance, covered, coverage, t, last = 0, 0.0, math.inf, 0, 0.0, 0.0, None
     for row in rows:
         here = (float(row["x"]), float(row["y"]))
@@ -128,22 +117,22 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "coverage": coverage,
         "clusters_covered": covered,
         "clusters_total": clusters_total,
-        "collisions": None if judged_by == OWN_MAP else counts["collision"],
-        "advisor_calls": counts["question"],
-        "requeries": requeries,
-        "rejections": rejections,
-        "fallbacks": counts["fallback"],
+        "collisions": None if judged_by == OWN_MAP else len(of("collision")),
+        "advisor_calls": len(of("question")),
+        "requeries": sum(event["attempt"] > 0 for event in of("question")),
+        "rejections": sum(event["verdict"] == "rejected" for event in of("verdict")),
+        "fallbacks": len(of("fallback")),
         **attribution_of(events),
-        "deviations": deviations,
+        "deviations": sum(bool(event.get("violates")) for event in of("goal")),
         "steps": steps,
         "sim_time_s": round(t, 3),
-        "coverage_time_s": round(covered_at, 3),
+        "coverage_time_s": round(max((float(event["t"]) for event in of("cluster_covered")), default=0.0), 3),
         "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
         "distance_m": round(distance, 3),
         "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
-        "planner_failures": counts["planner_failure"],
-        "end_reason": end,
-        "preset": preset,
+        "planner_failures": len(of("planner_failure")),
+        "end_reason": of("end")[-1]["reason"] if of("end") else "killed",
+        "preset": start.get("preset"),
         "seconds_in_state": seconds_in_states(events, t),
         "clusters_left": clusters_left(events),
     }

@@ -73,18 +73,18 @@ class Tour:
 
 def plan_tour(
     world: ReefWorld,
-    camera: CameraCfg | None = None,
-    imaging: ImagingCfg | None = None,
-    *,
-    visibility_m: float | None = None,
-    vehicle: VehicleCfg | None = None,
+    camera: CameraCfg,
+    imaging: ImagingCfg,
+    visibility_m: float | None,
+    vehicle: VehicleCfg,
     dt: float = 0.1,
 ) -> Tour:
     """Plan a fast tour that inspects all that can be inspected, up to `SLACK`. Deterministic.
 
     `visibility_m` is None in clear water. The vehicle gives hull radius, speed and yaw rate; it has no inertia here.
     """
-    planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
+    meter = ImagingMeter(Scene.from_world(world), camera, imaging, visibility_m=visibility_m)
+    planner = _Planner(meter, world, vehicle, dt)
     tours = [planner.search(spacing) for spacing in GRIDS_M]
     # All starts share one target: what one of them can inspect, the others must inspect too.
     target = max(target for target, _ in tours)
@@ -95,16 +95,8 @@ def plan_tour(
 class _Planner:
     """Searches, drives and compares tours in one world."""
 
-    def __init__(
-        self,
-        world: ReefWorld,
-        camera: CameraCfg,
-        imaging: ImagingCfg,
-        visibility_m: float | None,
-        vehicle: VehicleCfg,
-        dt: float,
-    ) -> None:
-        self.meter = ImagingMeter(Scene.from_world(world), camera, imaging, visibility_m=visibility_m)
+    def __init__(self, meter: ImagingMeter, world: ReefWorld, vehicle: VehicleCfg, dt: float) -> None:
+        self.meter = meter
         self.start = Pose(world.start.x, world.start.y, world.start.theta)
         self.vehicle, self.dt = vehicle, dt
         self.weight: NDArray[np.float64] = 1.0 / (len(world.clusters) * self.meter.size[self.meter.group])

@@ -146,17 +146,11 @@ def _corrected(rows: Sequence[Row]) -> float | None:
     return round(math.dist(there, alone), 4)
 
 
-def _all_covered_s(events: Iterable[Mapping[str, Any]]) -> float | None:
+def _all_covered_s(events: Sequence[Mapping[str, Any]]) -> float | None:
     """Return the time at which the experimenter would stop."""
-    total, covered = 0, 0
-    for event in events:
-        if event["event"] == "start":
-            total = int(event["clusters_total"])
-        elif event["event"] == "cluster_covered":
-            covered += 1
-            if covered == total:
-                return round(float(event["t"]), 3)
-    return None
+    total = next((int(event["clusters_total"]) for event in events if event["event"] == "start"), 0)
+    covered = [float(event["t"]) for event in events if event["event"] == "cluster_covered"]
+    return round(covered[total - 1], 3) if 0 < total <= len(covered) else None
 
 
 def _asked_after(t: float | None, events: Iterable[Mapping[str, Any]]) -> int | None:

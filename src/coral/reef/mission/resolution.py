@@ -14,12 +14,11 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
 from coral.advisor.setting import known_mistakes
-from coral.config import checked
+from coral.config import checked, merge
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
-from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.world import ReefWorld
 
 PERSON_DEADLINE_S = 600.0
@@ -45,7 +44,8 @@ def resolve_mission(
         InputError: A name is unknown or a value out of range.
     """
     cfg, world = apply_preset(preset, cfg, world, keep)
-    cfg = with_fallback(cfg, fallback)
+    if fallback is not None:
+        cfg = merge(cfg, {"pilot": {"fallback": fallback}}, "--fallback")
     return with_deadline(checked(apply_variant(variant, cfg), "--cfg"), asks_people), world
 
 
@@ -81,25 +81,6 @@ def with_deadline(cfg: MissionCfg, asks_people: bool) -> MissionCfg:
     return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 
 
-def with_camera_latency(cfg: MissionCfg, latency_s: float) -> MissionCfg:
-    """Return the configuration of a vehicle whose pictures take so long to arrive: they may be that much older."""
-    guard = dataclasses.replace(cfg.pilot.guard, frame_timeout_s=cfg.pilot.guard.frame_timeout_s + latency_s)
-    return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, guard=guard))
-
-
 def with_sonar(cfg: MissionCfg, there: bool = True) -> MissionCfg:
     """Return the configuration of a vehicle that has the sonar, or has not."""
-    sonar = dataclasses.replace(cfg.simulator.sonar, enabled=there)
-    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, sonar=sonar))
-
-
-def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
-    """Return the configuration with another fallback; None leaves it as configured."""
-    return (
-        cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
-    )
-
-
-def with_camera(cfg: MissionCfg, camera: CameraCfg) -> MissionCfg:
-    """Return a configuration with another camera."""
-    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=camera))
+    return merge(cfg, {"simulator": {"sonar": {"enabled": there}}}, "--cfg")

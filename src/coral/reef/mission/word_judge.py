@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from coral.config import merge, nested
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.vehicle.collision import clearance
@@ -118,8 +118,8 @@ def with_instruction(cfg: MissionCfg, words: str, text: MissionText | None = Non
     Raises:
         InputError: The instruction is empty or too long.
     """
-    told = replace(cfg.planner.instruction, text=checked_words(words))
-    return instructed(replace(cfg, planner=replace(cfg.planner, instruction=told)), text)
+    told = {"planner": {"instruction": {"text": checked_words(words)}}}
+    return instructed(merge(cfg, told, "--cfg"), text)
 
 
 def instructed(cfg: MissionCfg, text: MissionText | None) -> MissionCfg:
@@ -128,13 +128,14 @@ def instructed(cfg: MissionCfg, text: MissionText | None) -> MissionCfg:
     if text is None and not told.text:
         return cfg
     limit_s = cfg.time_limit_s if text is None else min(cfg.time_limit_s, text.time_s)
-    told = replace(told, text=told.text or (text.instruction if text else ""), time_s=limit_s)
     pixel_m = INSPECT_M / cfg.simulator.camera.intrinsics[0]
-    return replace(
-        cfg,
-        time_limit_s=limit_s,
-        stop_when_covered=False,
-        planner=replace(cfg.planner, instruction=told),
-        simulator=replace(cfg.simulator, stills=True, imaging=replace(cfg.simulator.imaging, pixel_m=pixel_m)),
-        belief=replace(cfg.belief, inspect=replace(cfg.belief.inspect, pixel_m=pixel_m)),
-    )
+    changed = {
+        "time_limit_s": limit_s,
+        "stop_when_covered": False,
+        "planner.instruction.text": told.text or (text.instruction if text else ""),
+        "planner.instruction.time_s": limit_s,
+        "simulator.stills": True,
+        "simulator.imaging.pixel_m": pixel_m,
+        "belief.inspect.pixel_m": pixel_m,
+    }
+    return merge(cfg, nested(changed, "--cfg"), "--cfg")

@@ -11,9 +11,8 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.answers import WaypointStep
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
-from coral.reef.decide.wordless import MARGIN_S, SPEED_M_S, Side
+from coral.reef.decide.wordless import Side, late, step_towards
 from coral.reef.world.geometry import Pose, to_robot, to_world
 from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, Sides, apart
 from coral.reef.world.kinds import find_kind
@@ -192,8 +191,7 @@ class WordReader:
     def _late(self, told: Fact) -> bool:
         limits = [one.time_s for one in self._conditions if isinstance(one, DoneBy)]
         home = any(isinstance(one, EndsAt) and one.at == "start" for one in self._conditions)
-        way_s = math.hypot(told["home"]["forward_m"], told["home"]["left_m"]) / SPEED_M_S if home else 0.0
-        return bool(told["at_s"] + way_s + MARGIN_S >= min([*limits, told["time_s"] or math.inf]))
+        return late(told, min([*limits, told["time_s"] or math.inf]), home)
 
     def _end(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
         home = facts["mission"]["home"]["forward_m"], facts["mission"]["home"]["left_m"]
@@ -210,17 +208,7 @@ class WordReader:
 
     def _towards(self, facts: Fact, at: Point, why: str, rejections: Sequence[Rejection]) -> MissionAnswer:
         """Go by a waypoint towards a place (m forward, m left)."""
-
-        def price(step: Fact) -> float:
-            via = step["forward_m"], step["left_m"]
-            return 0.6 * float(step["path_m"]) + math.dist(via, at)
-
-        ordered = sorted(facts["options"], key=price)
-        if not ordered:
-            return MissionAnswer(home=True, reason="no way on")
-        best = ordered[min(len(rejections), len(ordered) - 1)]
-        step = WaypointStep(forward_m=best["forward_m"], left_m=best["left_m"])
-        return MissionAnswer(waypoint=step, reason=why)
+        return step_towards(facts, at, why, len(rejections), way_share=0.6)
 
 
 def _place(pose: Pose, dot: Fact) -> Point:
