@@ -8,7 +8,6 @@ from coral.campaign.columns import (
     column_measure,
     count,
     marked,
-    number,
     tabulate,
 )
 
@@ -47,10 +46,6 @@ def test_a_mean_has_its_interval_where_there_is_one():
 def test_differences_are_taken_within_pairs_only(ours, text):
     reference = [row("l1", x=10), row("l2", x=100), row("l4", x=0)]
     assert X.difference().text(Group("", [row(world, x=x) for world, x in ours.items()], reference)) == text
-
-
-def test_zero_has_no_sign():
-    assert (number(-0.04, 1), number(0.0, 2, sign=True), number(-0.06, 1)) == ("0.0", "0.00", "−0.1")
 
 
 COVERAGE = column_measure("coverage", "coverage (%)", "coverage", 100.0)

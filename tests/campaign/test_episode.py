@@ -63,14 +63,6 @@ def test_a_full_disk_says_nothing_of_the_episode(tmp_path, number, full):
     assert "frame.png" in outcome.message
 
 
-def test_an_interrupt_is_no_failure_of_the_episode(tmp_path):
-    def interrupted(spec, folder):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        perform(interrupted, SPEC, tmp_path)
-
-
 def test_a_full_disk_is_known_by_whatever_error_it_became(tmp_path):
     def full(spec, folder):
         with writing(folder / "world.yaml"):

@@ -4,7 +4,7 @@ import pytest
 from rich.console import Console
 
 from coral.campaign.episode import EpisodeOutcome
-from coral.campaign.progress import CampaignProgress, duration
+from coral.campaign.progress import CampaignProgress
 from coral.campaign.spec import Spec
 
 SPEC = Spec(system="toy", variant="a", world="w", seed=0, advisor="x")
@@ -40,16 +40,3 @@ def test_the_last_round_of_parallel_missions_takes_a_whole_mission(told):
     for _ in range(4):
         progress.ended(EpisodeOutcome(SPEC, {}))
     assert progress.status() == "4 of 5 · about 2 min left"
-
-
-def test_quiet_is_quiet(told):
-    progress = CampaignProgress(quiet=True, console=Console(file=told, force_terminal=True))
-    progress.begin(1, 0, jobs=1)
-    progress.ended(EpisodeOutcome(SPEC, message="no"))
-    progress.close()
-    assert told.getvalue() == ""
-
-
-@pytest.mark.parametrize(("seconds", "text"), [(0, "0 s"), (89, "89 s"), (90, "2 min"), (5400, "1 h 30 min")])
-def test_durations(seconds, text):
-    assert duration(seconds) == text

@@ -6,19 +6,13 @@ import json
 import pytest
 
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.outlook import Outlook
-from coral.reef.map.belief import Belief, BeliefCfg
-from coral.reef.map.costfield import CostFieldCfg
-from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.assembly import make_planner
+from coral.reef.map.belief import BeliefCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant
 from coral.reef.pictures.questions import map_scene, question_pictures
-from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.world.geometry import Pose
 
 QUIET = MissionCfg(time_limit_s=20.0)
 
@@ -62,31 +56,6 @@ def test_the_whole_system_is_asked_with_the_chain(pond, tmp_path):
     questions, _ = asked(pond, tmp_path / "run", "full")
     assert questions[-1].facts["centroids"]
     assert "Orange dots with numbers" in questions[-1].prompt
-
-
-@pytest.mark.parametrize(
-    ("variant", "codes"),
-    [
-        ("full", ("too-close", "blocked", "finished", "outside")),
-        ("frontier", ("too-close", "blocked", "", "outside")),
-        ("no-verification", ("", "", "", "outside")),
-        ("dream", ("", "", "", "outside")),
-    ],
-)
-def test_without_verification_only_points_off_the_map_are_refused(variant, codes):
-    cfg = apply_variant(variant, QUIET)
-    belief = Belief(OccupancyMap((20.0, 20.0), CameraCfg()), cfg.belief)
-    belief.pose = Pose(15.0, 10.0, 0.0)
-    belief._trail = [(15.0, 10.0)]
-    belief.map.explored[:, :360] = True
-    belief.map.obstacle[190:210, 370:390] = True  # 18.5 to 19.5 m, straight ahead
-    planner = make_planner(belief, CostFieldCfg(), lambda outlook: (), cfg.planner)
-    asked = planner.ask(planner.outlook())
-    found = []
-    for forward, left in ((0, 0), (4, 0), (-4, 0), (6, 0)):
-        verdict = planner.verify(asked, WaypointChoice(forward_m=forward, left_m=left))
-        found.append(verdict.code if verdict else "")
-    assert tuple(found) == codes
 
 
 @pytest.mark.parametrize("variant", ["dream", "rule-based", "rule-based-dots-only", "frontier", "lawnmower", "random"])

@@ -21,9 +21,7 @@ from coral.reef.drive.controller import (
 )
 from coral.reef.drive.controller_kernels import (
     RolloutScene,
-    hull_is_free,
     rollout,
-    turn,
 )
 from coral.reef.drive.cost_terms import COSTS, GOAL, PATH, SPEED, CostCfg, Scales
 from coral.reef.map.costfield import UNREACHABLE, CostField
@@ -88,13 +86,6 @@ def test_shift_keeps_constants_and_moves_a_uniform_sequence_by_its_step():
     assert shift.sum(axis=1) == pytest.approx(np.ones(10))
     uniform = shift_matrix(np.full(4, 0.1), 0.1)
     assert uniform @ np.array([1.0, 2.0, 3.0, 4.0]) == pytest.approx([2.0, 3.0, 4.0, 4.0])
-
-
-def test_fast_turn_is_a_rotation():
-    for angle in (-0.3, -0.05, 0.0, 0.2):
-        assert turn(math.cos(1.0), math.sin(1.0), angle) == pytest.approx(
-            (math.cos(1.0 + angle), math.sin(1.0 + angle)), abs=2e-6
-        )
 
 
 def numpy_rollout(start, controls, table, distance, response, hull=0.3, margin=0.08):
@@ -178,17 +169,6 @@ def test_coarse_rollouts_stay_close_to_the_simulated_vehicle():
             vehicle.step(tuple(controls[k, t]), dt=dt[t])
             s = vehicle.state
             assert math.hypot(s.x - path[k, t + 1, 0], s.y - path[k, t + 1, 1]) < 0.08
-
-
-def test_hull_check_counts_points_on_the_circle():
-    distance = discs((3.0, 3.0, 0.2))
-    angles = 2 * np.pi * np.arange(32) / 32
-    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    scene = scene_of(distance, CostField.straight((240, 240), (10.0, 6.0)), margin_m=0.05)
-    assert not hull_is_free(scene, 3.52, 3.0, circle, 32)
-    assert hull_is_free(scene, 3.65, 3.0, circle, 32)
-    # Eq. 11's point of fewer points: one of them at angle 0 looks away from the disc
-    assert hull_is_free(scene, 3.52, 3.0, circle, 1)
 
 
 def test_a_thin_obstacle_between_two_steps_is_seen():
@@ -298,25 +278,6 @@ def test_same_seed_same_plan_bit_for_bit():
     assert np.array_equal(ends[0], ends[1])
     other = go(DdpMppi(rng=np.random.default_rng(8)), distance, (3.0, 6.0, 0.0), (9.0, 6.0), 5.0)[1]
     assert not np.array_equal(ends[0], other)
-
-
-def test_plan_describes_itself():
-    controller = DdpMppi(MppiCfg(keep_rollouts=True), rng=np.random.default_rng(1))
-    plan = controller.plan(VehicleState(3.0, 6.0, 0.0), field_to((9.0, 6.0), OPEN), OPEN)
-    assert plan.path.shape == (11, 3)
-    assert plan.command == tuple(controller._nominal[0])
-    assert plan.rollouts is not None
-    assert plan.rollouts.shape == (400, 11, 3)
-    assert plan.feasible is not None
-    assert plan.feasible.all()
-
-
-def test_commands_stay_within_the_limits():
-    _, _, plans = go(DdpMppi(rng=np.random.default_rng(3)), discs((6, 6, 0.8)), (3.0, 6.0, 2.0), (9.0, 6.0), 8.0)
-    commands = np.array([p.command for p in plans])
-    assert commands[:, 0].min() >= 0.0
-    assert commands[:, 0].max() <= 0.6
-    assert np.abs(commands[:, 1]).max() <= 0.6
 
 
 def test_a_failed_field_is_reported_and_stops():

@@ -3,7 +3,6 @@ import json
 
 import numpy as np
 import pytest
-from given_fields import field_to
 
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply
@@ -12,13 +11,11 @@ from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.answers import CentroidChoice
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.drive.controller import shift_matrix
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
-from coral.reef.vehicle.vehicle import VehicleState
 from reef.failing_sensors import fail
 from reference import texts
 
@@ -87,14 +84,6 @@ def test_the_same_seed_gives_the_same_run_and_another_seed_does_not(pond, finish
     run(pond, tmp_path / "other", cfg=dataclasses.replace(QUIET, time_limit_s=2.0), seed=1)
     other = (tmp_path / "other" / "trajectory.csv").read_bytes()
     assert not (folder / "trajectory.csv").read_bytes().startswith(other)
-
-
-def test_the_controller_shifts_its_plan_by_the_mission_s_control_period(pond, tmp_path):
-    cfg = dataclasses.replace(QUIET, control_period_s=0.2)
-    driver = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=0).driver
-    distance = np.full((120, 120), np.inf, dtype=np.float32)
-    driver.plan(VehicleState(1.0, 1.0, 0.0, 0.3), field_to((4.0, 4.0), distance), distance)
-    np.testing.assert_allclose(driver.warm_start(), shift_matrix(driver.schedule.dt, 0.2) @ driver._nominal)
 
 
 def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):

@@ -3,8 +3,6 @@ import math
 import numpy as np
 import pytest
 
-from coral.config import merge
-from coral.errors import InputError
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter, rasterise
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import RECTANGLE, Footprints, Scene
@@ -47,13 +45,6 @@ def test_the_field_of_view_ends_at_sixty_degrees(side):
         assert seen_from(Pose(5, 5, 0), cluster) == expected
 
 
-def test_a_cluster_cut_in_half_by_the_edge_of_the_view():
-    bearing = math.radians(60)
-    cluster = disc(5 + 3 * math.cos(bearing), 5 + 3 * math.sin(bearing))
-    assert seen_from(Pose(5, 5, 0), cluster) == pytest.approx(0.5, abs=0.08)
-    assert seen_from(Pose(5, 5, 0.0), cluster, hfov_deg=360.0) == 1.0
-
-
 def test_the_range_limit():
     assert seen_from(Pose(1, 5, 0), disc(7.4, 5)) == 0.0
     assert seen_from(Pose(1, 5, 0), disc(6.6, 5)) == 1.0
@@ -74,18 +65,6 @@ def test_an_obstacle_hides_what_is_behind_it(shape, size):
     assert seen_from(Pose(7.6, 5, 0), disc(10, 5), (wall,)) == 1.0
 
 
-def test_a_turned_box_hides_with_its_turned_outline():
-    wall = Obstacle(shape="box", x=7, y=5, z=0.5, size=(0.05, 2.0, 0.5), yaw=math.pi / 2)
-    assert seen_from(Pose(7.0, 3.5, math.pi / 2), disc(7, 6.5), (wall,)) == 0.0
-    assert seen_from(Pose(4.0, 6.5, 0), disc(8, 6.5), (wall,)) == 1.0
-
-
-def test_half_hidden():
-    """The wall's edge lies on the line from the eye to the cluster's middle."""
-    wall = Obstacle(shape="box", x=7, y=6, z=0.5, size=(0.1, 1.0, 0.5))
-    assert seen_from(Pose(5, 5, 0), disc(9, 5), (wall,)) == pytest.approx(0.5, abs=0.08)
-
-
 def test_what_was_seen_stays_seen_and_adds_up():
     watch = meter((disc(7.0, 5),))
     watch.update(Pose(1, 5, 0))
@@ -102,17 +81,6 @@ def test_a_cluster_counts_from_sixty_percent():
     assert watch.covered().tolist() == [False, True, False, False]
     assert watch.coverage == 0.25
     assert watch.fractions.shape == (4,)
-
-
-def test_no_cluster_is_covered_at_the_start():
-    assert meter((disc(7, 5),)).coverage == 0.0
-
-
-def test_area_of_a_disc():
-    cells, seen = area(meter((disc(7.01, 5.02, r=0.5),)), 0)
-    assert len(cells) * 0.05**2 == pytest.approx(math.pi * 0.25, rel=0.03)
-    assert not seen.any()
-    assert np.hypot(*(cells - [7.01, 5.02]).T).max() <= 0.5
 
 
 def ellipses(*rows):
@@ -206,19 +174,3 @@ def test_the_seen_cells_equal_a_plain_search():
 def test_a_lost_pose_sees_nothing():
     assert seen_from(Pose(math.nan, 5, 0), disc(8, 5)) == 0.0
     assert seen_from(Pose(5, 5, math.nan), disc(8, 5)) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("cell_m", 0.0),
-        ("closing_m", -0.1),
-        ("hfov_deg", 361.0),
-        ("range_m", 0.0),
-        ("threshold", 0.0),
-        ("threshold", math.nan),
-    ],
-)
-def test_a_bad_setting_is_named(field, value):
-    with pytest.raises(InputError, match=f"coverage: {field}"):
-        merge(CoverageCfg(), {field: value}, "coverage")

@@ -83,21 +83,6 @@ def test_a_low_rock_is_looked_over(shape, size):
     assert old.coverage == 0.0
 
 
-def test_half_of_an_oyster_and_half_of_a_cluster():
-    """The wall's edge lies on the line from the eye to the oyster's middle; then one of two oysters is out of view."""
-    wall = Obstacle(shape="box", x=6, y=6, z=0.6, size=(0.05, 1.0, 0.6))
-    assert seen(Pose(5.3, 5, 0), disc(7, 5, r=0.3), (wall,))[1] == pytest.approx(0.5, abs=0.1)
-    ends = [Oyster(x=x, y=5, z=0.05, radii=(0.1, 0.1, 0.05)) for x in (6.5, 3.5)]
-    assert seen(Pose(5, 5, 0), Cluster(name="c", oysters=tuple(ends))) == (0.5, 0.5)
-
-
-def test_clusters_count_alike_whatever_their_size():
-    watch = meter((disc(6.5, 5, r=0.5, name="big"), disc(15, 15, r=0.05, name="small")))
-    watch.update(Pose(5, 5, 0))
-    assert watch.inspected == 0.5
-    assert watch.fractions("inspected").tolist() == [1.0, 0.0]
-
-
 def test_nothing_is_seen_beyond_the_visibility():
     for away, clear, murky in ((4.0, (1.0, 0.0), (0.0, 0.0)), (1.5, (1.0, 1.0), (1.0, 1.0))):
         assert seen(Pose(5, 5, 0), disc(5 + away, 5)) == clear

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coral.reef.vehicle.collision import ContactCounter, clearance
-from coral.reef.vehicle.collision_kernels import ellipse_distance, rectangle_distance
+from coral.reef.vehicle.collision_kernels import ellipse_distance
 from coral.reef.world.scene import ELLIPSE, RECTANGLE, Footprints
 
 
@@ -48,14 +48,6 @@ def test_hand_computed_distances():
     assert clearance(long, 0, 2) == pytest.approx(-math.hypot(math.sqrt(1 - 2.25**2 / 9), 0.25))
 
 
-def test_no_obstacles_are_infinitely_far():
-    assert clearance(outlines(), 1, 1) == math.inf
-
-
-def test_the_worlds_border_is_no_obstacle():
-    assert clearance(outlines((ELLIPSE, 5, 5, 1, 1, 0)), -100, 5) == pytest.approx(104)
-
-
 @given(
     st.floats(0.05, 3),
     st.floats(0.05, 3),
@@ -71,21 +63,6 @@ def test_ellipse_distance_equals_a_dense_search(a, b, x, y):
     assert abs(found) == pytest.approx(expected, abs=step)
     if abs(found) > 1e-9:
         assert (found > 0) == ((x / a) ** 2 + (y / b) ** 2 > 1)
-
-
-@given(st.floats(0.05, 3), st.floats(0.05, 3), st.floats(0, 2 * math.pi), st.floats(0.001, 1.0))
-@settings(max_examples=150, deadline=None)
-def test_a_step_along_the_normal_is_the_distance(a, b, angle, step):
-    c, s = math.cos(angle), math.sin(angle)
-    normal = np.array([c / a, s / b]) / math.hypot(c / a, s / b)
-    x, y = np.array([a * c, b * s]) + step * normal
-    assert ellipse_distance(x, y, a, b) == pytest.approx(step, abs=1e-9)
-
-
-def test_rectangle_corner_edge_and_inside():
-    assert rectangle_distance(4.0, 6.0, 1.0, 2.0) == pytest.approx(5.0)
-    assert rectangle_distance(-0.5, -3.0, 1.0, 2.0) == pytest.approx(1.0)
-    assert rectangle_distance(0.75, 0.0, 1.0, 2.0) == pytest.approx(-0.25)
 
 
 def test_nearest_equals_the_search_over_all_outlines():
@@ -160,7 +137,3 @@ def test_a_track_has_the_contacts_of_its_points():
     assert len(one_by_one) > 5
     assert [hit for piece in np.split(track, 8) for hit in whole.follow(piece)] == one_by_one
     assert whole.count == single.count
-
-
-def test_no_obstacles_no_contacts():
-    assert ContactCounter(outlines()).follow(np.zeros((5, 2))) == []

@@ -36,7 +36,3 @@ def test_the_order_has_the_delay_that_was_computed_for_it(places):
 def test_what_is_worth_more_comes_first():
     between = np.array([[0.0, 4.0, 4.0], [4.0, 0.0, 8.0], [4.0, 8.0, 0.0]])
     assert order_from(0, between, np.array([1.0, 1.0, 3.0])) == [0, 2, 1]
-
-
-def test_one_place_has_no_delay():
-    assert delays_from(np.zeros((1, 1)), np.ones(1)) == pytest.approx([0.0])

@@ -99,15 +99,6 @@ def test_energy_lost_without_thrust_is_the_work_of_drag():
     assert before - kinetic_energy(s) == pytest.approx(work, rel=1e-5)
 
 
-def test_energy_is_kept_without_drag_and_thrust():
-    m = A._replace(du=0.0, dv=0.0, dr=0.0, duu=0.0, dvv=0.0, drr=0.0)
-    s = np.array([0, 0, 0, 0.6, 0.3, 0.8, 0, 0, 0], dtype=float)
-    before = kinetic_energy(s)
-    for _ in range(500):
-        planar_rk4(s, np.zeros(3), STILL, 0.0287, 0.02, m)
-    assert kinetic_energy(s) == pytest.approx(before, rel=1e-8)
-
-
 def turn_and_go(h, seconds=2.0):
     s = np.array([0, 0, 0, 0.1, 0.05, 0.1, 0, 0, 0], dtype=float)
     for _ in range(round(seconds / h)):

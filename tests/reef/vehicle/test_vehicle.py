@@ -1,7 +1,6 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 
 from coral.errors import InputError
@@ -65,18 +64,6 @@ def test_every_substep_is_returned():
     assert fine.step((0.6, 0.0)).shape == (20, 2)
 
 
-def test_the_default_step_is_converged():
-    """Half and quarter of the default integration step move the end of a ten second drive by under 0.1 mm."""
-    ends = []
-    for substep in (0.02, 0.01, 0.0025):
-        vehicle = VehicleDynamics(VehicleCfg(substep_s=substep))
-        for i in range(100):
-            vehicle.step((0.5, 0.5 * math.sin(0.1 * i)), current=(0.05, 0.1))
-        ends.append(np.array(vehicle.state))
-    assert np.abs(ends[0] - ends[2])[:2].max() < 1e-4
-    assert np.abs(ends[1] - ends[2])[:2].max() < 1e-5
-
-
 def test_contact_stops_the_hull_at_the_surface_and_lets_it_slide():
     def wall(x, y):
         return 1.0 - x
@@ -89,39 +76,12 @@ def test_contact_stops_the_hull_at_the_surface_and_lets_it_slide():
     assert vehicle.state.y > 0.5
 
 
-def test_trace_shows_the_penetration_that_contact_removes():
-    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.69, 0.0, 0.0, 0.5, 0.0, 0.0))
-    trace = vehicle.step((0.5, 0.0), contact=lambda x, y: 1.0 - x)
-    assert trace[:, 0].max() > 0.7
-
-
-def test_heading_wraps():
-    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.0, 0.0, 3.1))
-    for _ in range(20):
-        vehicle.step((0.0, 0.6))
-        assert -math.pi < vehicle.state.theta <= math.pi
-    assert vehicle.state.theta < 0.0
-
-
 def test_a_bare_pose_is_a_state_at_rest_and_reset_forgets():
     vehicle = VehicleDynamics(VehicleCfg(), Pose(1.0, 2.0, 0.5))
     assert vehicle.state == (1.0, 2.0, 0.5, 0.0, 0.0, 0.0)
     first = [tuple(vehicle.step((0.4, 0.1), current=(0.1, 0.0))[-1]) for _ in range(5)]
     vehicle.reset(Pose(1.0, 2.0, 0.5))
     assert [tuple(vehicle.step((0.4, 0.1), current=(0.1, 0.0))[-1]) for _ in range(5)] == first
-
-
-@pytest.mark.parametrize("substep_s", [0.02, 0.008])
-def test_an_obstacle_that_is_near_but_not_met_changes_nothing(substep_s):
-    cfg = VehicleCfg(substep_s=substep_s)
-    alone, beside = VehicleDynamics(cfg), VehicleDynamics(cfg)
-    rng = np.random.default_rng(4)
-    for _ in range(50):
-        command, current = rng.uniform(-0.8, 0.8, 2), rng.uniform(-0.1, 0.1, 2)
-        track = alone.step(tuple(command), current=tuple(current))
-        assert np.array_equal(beside.step(tuple(command), current=tuple(current), contact=lambda x, y: 0.301), track)
-        assert beside.state == alone.state
-        assert np.array_equal(beside._s, alone._s)  # the thrusters, too
 
 
 def test_an_obstacle_met_within_a_tick_stops_the_hull():
