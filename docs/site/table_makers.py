@@ -197,8 +197,8 @@ def presets() -> str:
     return table(
         "preset | key | value | why",
         (
-            (f"`{preset.name}`", f"`{condition.key}`", f"{condition.value:g}", condition.reason)
-            for preset in PRESETS.values()
+            (f"`{name}`", f"`{condition.key}`", f"{condition.value:g}", condition.reason)
+            for name, preset in PRESETS.items()
             for condition in preset.conditions
         ),
     )

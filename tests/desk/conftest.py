@@ -16,8 +16,7 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.desk.advisor import DeskAdvisor
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice
-from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.decide.answers import CentroidChoice, MissionAnswer, WaypointChoice
 from coral.reef.pictures.mapview import MapScene, draw_map, png
 from coral.reef.world.geometry import Pose, to_robot
 

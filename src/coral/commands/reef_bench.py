@@ -143,7 +143,8 @@ class ReefBench(CampaignCommand):
 
     @property
     def _presets(self) -> tuple[str, ...]:
-        return tuple(named(name).name for name in parse_names(self.presets, "--presets"))
+        names = parse_names(self.presets, "--presets")
+        return tuple(name for name in names if named(name))
 
     def _advisor(self, name: str) -> Advisor:
         return reef_advisor(name, inbox=self.inbox, model=self.model, where="--advisors")

@@ -3,7 +3,7 @@ import pytest
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render
 from coral.advisor.question import BadAnswer
-from coral.reef.decide.answers import CentroidAnswer, CentroidChoice, WaypointAnswer, WaypointChoice
+from coral.reef.decide.answers import CentroidAnswer, CentroidChoice, MissionAnswer, WaypointAnswer, WaypointChoice
 
 
 @pytest.mark.parametrize(
@@ -78,3 +78,23 @@ def test_schema_states_the_bounds():
     for axis in ("forward_m", "left_m"):
         schema = WaypointChoice.model_json_schema()["properties"][axis]
         assert (schema["minimum"], schema["maximum"]) == (-6, 6)
+
+
+def test_lists_are_cut_and_null_means_nothing():
+    answer = MissionAnswer.model_validate(
+        {
+            "selected_centroid_index": 3,
+            "then": [1, 2, 4, 5],
+            "skip": None,
+            "marks": [{"dot": 1, "label": None}],
+            "answer": None,
+        }
+    )
+    assert answer.then == (1, 2, 4)
+    assert answer.skip == ()
+    assert answer.marks[0].label == ""
+    assert not answer.end_survey
+
+
+def test_done_ends_the_survey():
+    assert MissionAnswer(done=True, answer="4").end_survey

@@ -7,7 +7,7 @@ import math
 import pytest
 from beds import belief_with, see
 
-from coral.reef.decide.mission_answer import LookFrom, Mark, MissionAnswer
+from coral.reef.decide.answers import LookFrom, Mark, MissionAnswer
 from coral.reef.decide.mission_planner import MissionPlanner, way_round
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
 from coral.reef.decide.route import Goal

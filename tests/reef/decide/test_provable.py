@@ -3,9 +3,9 @@ from beds import belief_with, see
 
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.provable import finished_dot, leads_nowhere
-from coral.reef.decide.remaining import Place, what_remains
 from coral.reef.decide.route import here
 from coral.reef.decide.survey import SurveyCfg, survey
+from coral.reef.decide.topology import Place, what_remains
 from coral.reef.map.costfield import CostFieldCfg
 
 

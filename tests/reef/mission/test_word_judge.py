@@ -7,7 +7,7 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
-from coral.reef.decide.mission_answer import Mark, MissionAnswer
+from coral.reef.decide.answers import Mark, MissionAnswer
 from coral.reef.decide.trigger import TriggerCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg

@@ -5,7 +5,7 @@ import pytest
 from beds import belief_with
 
 from coral.advisor.clock import SimulatedClock
-from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.decide.answers import MissionAnswer
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.mission.assembly import make_planner

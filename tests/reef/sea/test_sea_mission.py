@@ -10,7 +10,7 @@ import pytest
 from voyage import WORLD, Voyage
 
 from coral.advisor.clock import WallClock
-from coral.reef.decide.mission_answer import Mark, MissionAnswer
+from coral.reef.decide.answers import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg

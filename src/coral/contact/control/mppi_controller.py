@@ -19,8 +19,7 @@ from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.errors import InputError
-from coral.mppi.knots import KnotMppi, KnotMppiCfg
-from coral.mppi.spline import interpolate
+from coral.mppi.knots import KnotMppi, KnotMppiCfg, interpolate
 
 EDGE_M = 0.01
 """A target within this distance of a bound stands at the edge."""

@@ -13,8 +13,7 @@ import numpy as np
 
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
-from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.decide.answers import CentroidChoice, MissionAnswer, WaypointChoice, WaypointStep
 from coral.reef.world.geometry import Pose, to_robot
 
 Fact = Mapping[str, Any]

@@ -19,8 +19,16 @@ from numpy.typing import NDArray
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
-from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, GAP_M, MOST_PLACES, REEF_M, frontier_worth
-from coral.reef.decide.topology import SPEED_M_S, YAW_RATE_RAD_S
+from coral.reef.decide.topology import (
+    DOT_WORTH,
+    FAR_M2,
+    GAP_M,
+    MOST_PLACES,
+    REEF_M,
+    SPEED_M_S,
+    YAW_RATE_RAD_S,
+    frontier_worth,
+)
 from coral.reef.decide.wordless import Wordless
 from coral.reef.vehicle.delays import delays_from, order_from
 

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any
 
 from coral.advisor.question import Rejection
+from coral.reef.decide.answers import LookFrom, MissionAnswer
 from coral.reef.decide.facts import describe, waypoint_options
-from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import Answer, AskedState, HighLevelPlanner
 from coral.reef.decide.provable import finished_dot, hazard

@@ -12,10 +12,9 @@ from coral.config import Count, NonNegative
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Arrival, Goal, Route, RouteCfg, here
 from coral.reef.decide.survey import Survey, SurveyCfg
-from coral.reef.decide.topology import RemainingTour
+from coral.reef.decide.topology import Remaining, RemainingTour
 from coral.reef.decide.verify import Surroundings, VerifyCfg
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg

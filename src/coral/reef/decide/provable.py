@@ -15,8 +15,8 @@ from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import AskedState
-from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
+from coral.reef.decide.topology import Remaining
 from coral.reef.map.belief import Belief
 from coral.reef.map.carried import around
 from coral.reef.map.mapping import OccupancyMap

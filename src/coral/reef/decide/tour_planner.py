@@ -31,10 +31,9 @@ from coral.reef.decide.questions import (
     outside,
     surroundings,
 )
-from coral.reef.decide.remaining import DOT_WORTH, FAR_M2, Place, what_remains
 from coral.reef.decide.route import Goal, passed
 from coral.reef.decide.survey import idle_water, survey
-from coral.reef.decide.topology import TOLD_S, RemainingTour, plan_tour
+from coral.reef.decide.topology import DOT_WORTH, FAR_M2, TOLD_S, Place, RemainingTour, plan_tour, what_remains
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
 from coral.reef.map.costfield import CostField

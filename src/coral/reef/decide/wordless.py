@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.answers import WaypointStep
-from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
+from coral.reef.decide.answers import LookFrom, MissionAnswer, WaypointStep
 from coral.reef.world.instruction import Answered, Clause, DoneBy, EndsAt, InOrder, Inspected, KeptOff, Sides, spoken
 
 SPEED_M_S, MARGIN_S = 0.4, 12.0

@@ -28,7 +28,6 @@ class Condition(NamedTuple):
 class Preset:
     """Water and sensors."""
 
-    name: str
     what: str
     """For help texts and tables."""
     conditions: tuple[Condition, ...] = ()
@@ -64,74 +63,63 @@ def _small_water() -> tuple[Condition, ...]:
 
 CLEAR = "clear"
 PRESETS: dict[str, Preset] = {
-    preset.name: preset
-    for preset in (
-        Preset(
-            name=CLEAR, what="the paper's simulation: clear water, perfect sensors, the current of the world's file"
-        ),
-        Preset(
-            name="coast",
-            what="a clear coast: 11 m of visibility, and less of everything that `bay` has",
-            conditions=(
-                Condition(
-                    f"{NOISE}visibility_m",
-                    11.0,
-                    "Jerlov 1C: beyond what is told apart at any distance in `clear`, but with colours lost",
-                ),
-                *_word("mask_errors", 0.02, "less than half of `bay`: 2 % missed, 0.2 % false"),
-                Condition(f"{NOISE}depth_sigma", 0.01, "half of `bay`"),
-                *_word("pose_drift", 0.01, "half of `bay`: 0.3 m after ten minutes on average"),
-                Condition(CURRENT, 0.1, "as in `bay`: what is hard here is to see, not to drive"),
+    CLEAR: Preset(what="the paper's simulation: clear water, perfect sensors, the current of the world's file"),
+    "coast": Preset(
+        what="a clear coast: 11 m of visibility, and less of everything that `bay` has",
+        conditions=(
+            Condition(
+                f"{NOISE}visibility_m",
+                11.0,
+                "Jerlov 1C: beyond what is told apart at any distance in `clear`, but with colours lost",
             ),
+            *_word("mask_errors", 0.02, "less than half of `bay`: 2 % missed, 0.2 % false"),
+            Condition(f"{NOISE}depth_sigma", 0.01, "half of `bay`"),
+            *_word("pose_drift", 0.01, "half of `bay`: 0.3 m after ten minutes on average"),
+            Condition(CURRENT, 0.1, "as in `bay`: what is hard here is to see, not to drive"),
         ),
-        Preset(
-            name="bay",
-            what="a calm bay: 4.5 m of visibility, a few wrong masks, depth noise, slow drift, a weak current",
-            conditions=(
-                Condition(
-                    f"{NOISE}visibility_m", 4.5, "between the 6 m of the paper's sensing range and the 3 m of `hard`"
-                ),
-                *_word("mask_errors", 0.05, "half of `hard`: 5 % missed, 0.5 % false"),
-                Condition(
-                    f"{NOISE}depth_sigma", 0.02, "0.02 m at 1 m: smaller than the map's cells of 0.05 m up to 2.5 m"
-                ),
-                *_word(
-                    "pose_drift",
-                    0.02,
-                    "0.6 m after ten minutes on average: less than d_merge (1 m), so tracks stay apart",
-                ),
-                Condition(CURRENT, 0.1, "a sixth of the cruise speed; shipped reefs have 0.003 to 0.07 m/s"),
+    ),
+    "bay": Preset(
+        what="a calm bay: 4.5 m of visibility, a few wrong masks, depth noise, slow drift, a weak current",
+        conditions=(
+            Condition(
+                f"{NOISE}visibility_m", 4.5, "between the 6 m of the paper's sensing range and the 3 m of `hard`"
             ),
-        ),
-        Preset(
-            name="hard",
-            what="murky water, poor masks and a drifting position: 3 m of visibility, 10 % missed, 1 % false",
-            conditions=(
-                Condition(
-                    f"{NOISE}visibility_m",
-                    3.0,
-                    "half of the paper's sensing range, and as near as `visited` means by default",
-                ),
-                *_word(
-                    "mask_errors",
-                    0.1,
-                    "10 % of the patches missed, and 1 % of the sea floor taken for oysters or obstacles each",
-                ),
-                Condition(f"{NOISE}depth_sigma", 0.03, "0.09 m at the limit of visibility: two cells"),
-                *_word(
-                    "pose_drift",
-                    0.06,
-                    "1.8 m after ten minutes on average: more than d_merge, so that it has to be corrected",
-                ),
-                Condition(CURRENT, 0.1, "as in `bay`: what is hard here is to see, not to drive"),
+            *_word("mask_errors", 0.05, "half of `hard`: 5 % missed, 0.5 % false"),
+            Condition(f"{NOISE}depth_sigma", 0.02, "0.02 m at 1 m: smaller than the map's cells of 0.05 m up to 2.5 m"),
+            *_word(
+                "pose_drift",
+                0.02,
+                "0.6 m after ten minutes on average: less than d_merge (1 m), so tracks stay apart",
             ),
+            Condition(CURRENT, 0.1, "a sixth of the cruise speed; shipped reefs have 0.003 to 0.07 m/s"),
         ),
-        Preset(
-            name="pool",
-            what="clear water in a tank of a few metres: what counts as unexplored is as small as the place",
-            conditions=_small_water(),
+    ),
+    "hard": Preset(
+        what="murky water, poor masks and a drifting position: 3 m of visibility, 10 % missed, 1 % false",
+        conditions=(
+            Condition(
+                f"{NOISE}visibility_m",
+                3.0,
+                "half of the paper's sensing range, and as near as `visited` means by default",
+            ),
+            *_word(
+                "mask_errors",
+                0.1,
+                "10 % of the patches missed, and 1 % of the sea floor taken for oysters or obstacles each",
+            ),
+            Condition(f"{NOISE}depth_sigma", 0.03, "0.09 m at the limit of visibility: two cells"),
+            *_word(
+                "pose_drift",
+                0.06,
+                "1.8 m after ten minutes on average: more than d_merge, so that it has to be corrected",
+            ),
+            Condition(CURRENT, 0.1, "as in `bay`: what is hard here is to see, not to drive"),
         ),
-    )
+    ),
+    "pool": Preset(
+        what="clear water in a tank of a few metres: what counts as unexplored is as small as the place",
+        conditions=_small_water(),
+    ),
 }
 """clear, coast, bay and hard in order of difficulty: no value of one is easier than that of the one before."""
 
@@ -161,4 +149,4 @@ def apply_preset(
 
 def preset_help(first: str) -> str:
     """Return the help of a flag that takes a preset: the command's own words, then the presets and what they are."""
-    return f"{first}. {'; '.join(f'{preset.name}: {preset.what}' for preset in PRESETS.values())}. --cfg flags win."
+    return f"{first}. {'; '.join(f'{name}: {preset.what}' for name, preset in PRESETS.items())}. --cfg flags win."

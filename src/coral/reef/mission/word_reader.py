@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
+from coral.reef.decide.answers import LookFrom, MissionAnswer
 from coral.reef.decide.wordless import Side, late, step_towards
 from coral.reef.world.geometry import Pose, to_robot, to_world
 from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, Sides, apart
