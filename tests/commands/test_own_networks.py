@@ -7,6 +7,7 @@ from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import red_is_oyster_yolo, relative_depth
 
 
+@pytest.mark.slow
 def test_networks_of_ones_own_see_for_a_mission(told, tmp_path):
     pytest.importorskip("onnxruntime")
     (tmp_path / "yolo.onnx").write_bytes(red_is_oyster_yolo(64))

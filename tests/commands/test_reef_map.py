@@ -113,6 +113,7 @@ def test_a_run_seen_by_a_network_is_compared_with_the_truth(colour_run, network,
     assert "Oysters were recognized by a network" in (tmp_path / "m/products.html").read_text()
 
 
+@pytest.mark.slow
 def test_doubtful_oysters_do_not_count(colour_run, network, tmp_path, told):
     code, made, _ = told(
         "reef", "map", colour_run, "--perception", network, "--doubt.oyster", "0", "--out", tmp_path / "m", "--json"
@@ -135,6 +136,7 @@ def test_eyes_of_another_package_map_a_recording(colour_run, tmp_path, told, mon
     assert asked == ["mine"]
 
 
+@pytest.mark.slow
 def test_a_lens_that_disagrees_leads_and_a_turned_picture_is_told(colour_run, network, tmp_path, told, monkeypatch):
     assert told("export", colour_run, "--to", "pictures", "--out", tmp_path / "x")[0] == 0
     picture = tmp_path / "x/000003.jpg"

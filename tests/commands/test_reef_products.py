@@ -32,6 +32,7 @@ def test_products_of_a_run_are_written_beside_it_and_compared_with_the_truth(sur
     assert "true_area_m2" not in kept  # the truth never enters the products
 
 
+@pytest.mark.slow
 def test_a_survey_in_real_water_has_no_truth_and_lies_where_its_survey_file_says(survey_run, tmp_path, told):
     run = tmp_path / "run"
     shutil.copytree(survey_run, run, ignore=shutil.ignore_patterns("products"))
