@@ -16,10 +16,11 @@ TOUR = Tour(np.array([[0.6, 0.0], [0.6, 0.1], [0.0, 0.6]]), np.zeros((4, 3)), np
 def planned(tmp_path, monkeypatch):
     """Counts the tours planned, in a fresh process with an empty cache folder."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(bound, "_kept", {})
+    bound.oracle_bound.cache_clear()
     made = []
-    monkeypatch.setattr(bound, "plan_tour", lambda *a, **k: made.append(1) or TOUR)
-    return made
+    monkeypatch.setattr(bound, "plan_tour", lambda *_: made.append(1) or TOUR)
+    yield made
+    bound.oracle_bound.cache_clear()
 
 
 def ask(world, visibility_m=None, **vehicle):
@@ -33,9 +34,9 @@ def test_a_world_is_planned_once_in_a_process(pond, planned):
     assert len(planned) == 1
 
 
-def test_another_process_reads_what_was_planned(pond, planned, monkeypatch):
+def test_another_process_reads_what_was_planned(pond, planned):
     first = ask(pond)
-    monkeypatch.setattr(bound, "_kept", {})
+    bound.oracle_bound.cache_clear()
     read = ask(pond)
     assert read.time_s == first.time_s
     np.testing.assert_array_equal(read.commands, TOUR.commands)
@@ -51,10 +52,10 @@ def test_other_water_another_vehicle_or_another_world_is_another_tour(pond, plan
 
 
 @pytest.mark.parametrize("broken", ["{", "[]", '{"commands": []}'])
-def test_a_broken_file_is_planned_anew(pond, planned, tmp_path, monkeypatch, broken):
+def test_a_broken_file_is_planned_anew(pond, planned, tmp_path, broken):
     first = ask(pond)
     (kept,) = (tmp_path / "coral").rglob("oracle-*.json")
     kept.write_text(broken)
-    monkeypatch.setattr(bound, "_kept", {})
+    bound.oracle_bound.cache_clear()
     assert ask(pond).time_s == first.time_s
     assert len(planned) == 2

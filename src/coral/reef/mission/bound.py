@@ -6,16 +6,13 @@ import hashlib
 import json
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import to_mapping
-from coral.disk_cache import recall
-from coral.foreign_file import read_bytes
-from coral.limits import YAML_BYTES
+from coral.disk_cache import code_stamp, recall
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.simulation.imaging import ImagingCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -24,20 +21,6 @@ from coral.reef.world.world import ReefWorld
 
 SHARE = 0.9
 """Of what is inspected when the tour counts as done (`oracle_ratio_90`)."""
-_CODE = (
-    "mission/oracle",
-    "mission/tour",
-    "pilot/stops",
-    "vehicle/tour_kernels",
-    "simulation/imaging",
-    "simulation/imaging_kernels",
-    "vehicle/camera",
-    "map/costfield",
-    "map/costfield_kernels",
-    "world/reachability",
-    "world/scene",
-)
-"""Modules that determine the tour: a change of their text invalidates the cache."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +33,7 @@ class Bound:
     """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick."""
 
 
+@lru_cache(maxsize=64)
 def oracle_bound(
     world: ReefWorld,
     camera: CameraCfg,
@@ -61,7 +45,7 @@ def oracle_bound(
     """Return the oracle's tour and its time. The arguments are those of `plan_tour`.
 
     Deterministic. The tour is planned again only if the world, the camera, the vehicle, the water, the definition of
-    inspected or the planner has changed.
+    inspected or the package has changed.
     """
     asked = {
         "world": world.model_dump(mode="json"),
@@ -71,7 +55,6 @@ def oracle_bound(
         "vehicle": [vehicle.hull_radius_m, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s],
         "dt": dt,
         "share": SHARE,
-        "code": _code(),
     }
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -79,17 +62,5 @@ def oracle_bound(
         tour = plan_tour(world, camera, imaging, visibility_m, vehicle, dt)
         return {"time_s": tour.time_to(SHARE), "commands": tour.commands.tolist()}
 
-    if key not in _kept:
-        found = recall(f"oracle-{key}", key, plan)
-        _kept[key] = Bound(found["time_s"], np.array(found["commands"], np.float64).reshape(-1, 2))
-    return _kept[key]
-
-
-_kept: dict[str, Bound] = {}
-
-
-@lru_cache(maxsize=1)
-def _code() -> str:
-    here = Path(__file__).parents[1]
-    code = [read_bytes(here / f"{name}.py", "a module", YAML_BYTES) for name in _CODE]
-    return hashlib.sha256(b"".join(code)).hexdigest()[:12]
+    found = recall(f"oracle-{key}", code_stamp(), plan)
+    return Bound(found["time_s"], np.array(found["commands"], np.float64).reshape(-1, 2))
