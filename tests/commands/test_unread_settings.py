@@ -44,6 +44,7 @@ RARE = {
     "pilot.passed_m": "pilot/pilot.py",
     "pilot.trigger": "decide/trigger.py",
     "planner.checks": "decide/tour_planner.py",
+    "planner.instruction.clear_m": "decide/planner.py",
     "planner.instruction": "decide/mission_planner.py",
     "planner.finished": "decide/tour_planner.py",
     "planner.separation_m": "decide/tour_planner.py",
@@ -132,10 +133,10 @@ def test_every_refused_key_exists(command, key):
         assert any(covers([key], known) for known in keys_of(EpisodeCfg() if "contact" in command else MissionCfg()))
 
 
-def test_a_cost_of_ones_own_asks_nobody(tmp_path):
+def test_a_cost_of_ones_own_asks_nobody(task, tmp_path):
     cost = tmp_path / "cost.py"
     cost.write_text("def state_cost(self):\n    return np.linalg.norm(self.ee_pos - self.box_pos)\n")
-    words = ["contact", "run", "pick-box", "--world", "hand", "--samples", "4", "--cost", str(cost), "--quiet"]
+    words = ["contact", "run", task, "--world", "hand", "--samples", "4", "--cost", str(cost), "--quiet"]
     reads = run([*words, "--cfg.record.no-report"], tmp_path)
     assert "coral.contact.control.mppi_controller" in set().union(*reads.by_key.values())
     declared = {key: modules for key, modules in reads.by_key.items() if covers(UNREAD["contact run --cost"], key)}
