@@ -123,7 +123,7 @@ def test_the_facts_hold_nothing_that_the_prompt_does_not_show(ask, task):
     questions.update_facts(one.now)
     questions.diagnoses.append("slipped")
     questions.diagnoses.append("blocked")
-    plan = questions.ask_repair(one.now, history(questions, diagnosis=TEXTS["blocked"]))
+    plan = questions.ask_plan(one.now, history(questions, diagnosis=TEXTS["blocked"]))
     questions.ask_plan(one.now)
     questions.ask_regions(plan)
     for kind in ("cost-function", "cost-repair", "contact-regions"):
@@ -176,7 +176,7 @@ def test_prompts_have_few_tokens(ask, task):
     questions.ask_parameters({})
     questions.update_facts(one.now)
     questions.ask_plan(one.now)
-    questions.ask_repair(one.now, history(questions, **told))
+    questions.ask_plan(one.now, history(questions, **told))
     questions.ask_everything(one.now)
     questions.ask_everything(one.now, history(questions, **{**told, "code": "x", "corrected": ()}))
     questions.ask_regions(PlanAnswer(code=UP.format(height=1)))
@@ -201,7 +201,7 @@ def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask
     assert questions.ask_plan(one.now) is not None
     (advice,) = dict(told)["plan_answer"]["advice"]
     assert "inside the table" in advice
-    questions.ask_repair(one.now, history(questions))
+    questions.ask_plan(one.now, history(questions))
     assert advice in advisor.asked("cost-repair").prompt
 
 
@@ -226,7 +226,7 @@ def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
     advisor = Careless()
     one, questions, _ = ask(advisor)
     questions.diagnoses.append("slipped")
-    questions.ask_repair(one.now, history(questions, code="x = 1"))
+    questions.ask_plan(one.now, history(questions, code="x = 1"))
     assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
     assert "x = 1" in advisor.asked("cost-repair").prompt
 

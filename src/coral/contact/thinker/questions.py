@@ -108,14 +108,26 @@ class Questions:
         self._world.believe(beliefs)
         self._emit("beliefs", **self._outcome_fields("parameters", outcome), **_round_beliefs(beliefs))
 
-    def ask_plan(self, now: Observation) -> PlanAnswer | None:
-        """Ask for a plan; None without an answer."""
-        return self._ask_for_plan("cost-function", now, self.world_prompt())
-
-    def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
-        """Ask for another plan, given the history of the last one; None without an answer."""
-        shown = {**self.world_prompt(), **history}
-        return self._ask_for_plan("cost-repair", now, fit_prompt("cost-repair", shown))
+    def ask_plan(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
+        """Ask for a plan, or for another one if the history of the last is given; None without an answer."""
+        kind, shown = "cost-function", self.world_prompt()
+        if history is not None:
+            kind, shown = "cost-repair", fit_prompt("cost-repair", {**shown, **history})
+        outcome = self._asker.ask(
+            kind,
+            PlanAnswer,
+            self._plan_facts(),
+            shown,
+            lambda plan: self.check_plan(plan, self.present(now)),
+            with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
+            labels=PictureLabels.of(self._trial.task, now),
+        )
+        if self.present(now) is not now:  # the episode continued while the advisor answered
+            self.update_facts(self.present(now))
+        self.facts["refused"] = len(outcome.rejections)
+        self._emit_plan(kind, outcome, "plan" if history is None else "repair")
+        self._unanswered = outcome.failure
+        return outcome.answer
 
     def no_plan(self) -> NoReturn:
         """End the episode, which has no plan to follow.
@@ -233,23 +245,6 @@ class Questions:
         )
         self.advice = verdict.advice
         return verdict.refusal
-
-    def _ask_for_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer | None:
-        outcome = self._asker.ask(
-            kind,
-            PlanAnswer,
-            self._plan_facts(),
-            prompt,
-            lambda plan: self.check_plan(plan, self.present(now)),
-            with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
-            labels=PictureLabels.of(self._trial.task, now),
-        )
-        if self.present(now) is not now:  # the episode continued while the advisor answered
-            self.update_facts(self.present(now))
-        self.facts["refused"] = len(outcome.rejections)
-        self._emit_plan(kind, outcome, "plan" if kind == "cost-function" else "repair")
-        self._unanswered = outcome.failure
-        return outcome.answer
 
     def present(self, before: Observation) -> Observation:
         """Return the latest observation: a new one if the episode continued while an advisor answered."""

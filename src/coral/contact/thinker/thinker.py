@@ -271,7 +271,7 @@ class Thinker:
             self._plan, self._regions = self._questions.ask_everything(now, history) or (otherwise(), self._regions)
             return
         before = self._plan
-        self._plan = self._questions.ask_repair(now, history) or otherwise()
+        self._plan = self._questions.ask_plan(now, history) or otherwise()
         if self._plan is not before:  # an unchanged plan keeps its regions
             self._asked = True
             self._repairs_left = []
