@@ -35,7 +35,7 @@ from coral.contact.thinker.repair_prompt import recent, repair_values
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking
-from coral.contact.world_model.history import most_informative_object
+from coral.contact.world_model.history_replay import most_informative_object
 from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
