@@ -248,7 +248,8 @@ class Questions:
 
     def present(self, before: Observation) -> Observation:
         """Return the latest observation: a new one if the episode continued while an advisor answered."""
-        return getattr(self._asker.clock.thinking, "now", before)
+        thinking = self._asker.clock.thinking
+        return before if thinking is None else thinking.now
 
     def _stand_in(self, what: str, failure: str, by: str) -> None:
         if what != "repair":  # the plan before is the advisor's own

@@ -47,30 +47,20 @@ class Thinking(Protocol):
         """Advance simulated time; return False if the episode ended meanwhile."""
 
 
-class Frozen:
-    """A stand-in without an episode: simulated time does not pass."""
-
-    now: Observation
-    clock_s = 0.0
-
-    def go_on(self, seconds: float) -> bool:
-        """Do nothing."""
-        return True
-
-
 class ThinkingClock:
     """Delivers each reply after its latency, during which the episode continues.
 
     It waits for the advisor first, then advances simulated time by the latency. The run does not depend on the machine
     unless the latency is measured.
 
-    Without a latency, the paper's applies. An exception of the episode, while an advisor was answering, is its `fault`.
+    Without a latency, the paper's applies; without an episode, `thinking`, no time passes. An exception of the
+    episode, while an advisor was answering, is its `fault`.
     """
 
     fault: Exception | None = None
 
     def __init__(self, latency: LatencyCfg | None, rng: np.random.Generator, thinking: Thinking | None = None) -> None:
-        self.latency, self.thinking = latency, thinking or Frozen()
+        self.latency, self.thinking = latency, thinking
         self._rng = rng
         self._kind, self._wall_end_s = "", math.inf
 
@@ -80,7 +70,7 @@ class ThinkingClock:
 
     def now(self) -> float:
         """Return simulated seconds."""
-        return self.thinking.clock_s
+        return 0.0 if self.thinking is None else self.thinking.clock_s
 
     async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
         """Ask, and return the reply when it is due.
@@ -119,7 +109,7 @@ class ThinkingClock:
 
     def _pass_time(self, seconds: float) -> None:
         try:
-            over = seconds > TINY_S and not self.thinking.go_on(seconds)
+            over = seconds > TINY_S and self.thinking is not None and not self.thinking.go_on(seconds)
         except Exception as fault:  # of the episode; `consult` would blame the advisor
             self.fault = fault
             raise Withdrawn from None
