@@ -102,6 +102,14 @@ def test_unmatched_tracks_expire_and_their_label_is_never_used_again():
     assert [t.index for t in tracker.update([component(5.0, 1.0), component(9.0, 9.0)])] == [1, 2]
 
 
+def test_at_the_end_there_is_what_the_map_shows_or_what_was_seen_from_afar():
+    tracker = CentroidTracker()
+    tracker.update([component(1.0, 1.0), component(5.0, 1.0)], [(9.0, 1.0)])
+    tracker.update([component(5.0, 1.0)], [(9.0, 1.0)])
+    tracker.settle()
+    assert [(t.index, t.far) for t in tracker.tracks] == [(1, False), (2, True)]
+
+
 def test_what_was_seen_from_afar_keeps_its_label_when_the_map_shows_it():
     tracker = CentroidTracker()
     tracker.update([component(1.0, 1.0)], [(9.0, 1.0)])

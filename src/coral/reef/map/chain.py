@@ -200,6 +200,10 @@ class CentroidTracker:
         self.tracks = list(tracks)
         self._labels = itertools.count(1 + max((track.index for track in tracks), default=-1))
 
+    def settle(self) -> None:
+        """Drop, at the end of a survey, the tracks that the map no longer shows and that are kept for a while."""
+        self.tracks = [t for t in self.tracks if not t.unmatched]
+
     def update(self, found: Sequence[Component], hints: Sequence[tuple[float, float]] = ()) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
 

@@ -198,6 +198,7 @@ class Pilot:
 
     def stop(self, reason: str) -> None:
         """End the survey."""
+        self.belief.tracker.settle()
         self.safety.states.move(self._now, Mover.MISSION, "end", reason)
 
     def _stand(self, t: float) -> Command:
