@@ -38,7 +38,7 @@ from coral.contact.plan.barrier_check import CostFault
 from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_plan import PlanAnswer, compile_stage
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.task_file import suite_tasks
+from coral.contact.scene.task_names import suite_tasks
 from coral.contact.scene.trial import Trial, sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts

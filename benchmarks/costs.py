@@ -22,7 +22,7 @@ from coral.contact.control.planning_world import ControlSequences, PlanningCfg, 
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostProgram
 from coral.contact.cost_program.worker import CostWorker
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import sample_trial, stated_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld

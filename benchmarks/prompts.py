@@ -39,7 +39,7 @@ from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.plan.contact_regions import LIMITS
-from coral.contact.scene.task_file import HALVES, SUITES, every_task, shipped_tasks, suite_tasks
+from coral.contact.scene.task_names import HALVES, SUITES, every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 

@@ -15,7 +15,8 @@ from coral.advisor.setting import Mistake
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.commands.keyboard import KEYS
-from coral.contact.scene.task_file import HALVES, load_task_file, suite_tasks
+from coral.contact.scene.task_file import load_task_file
+from coral.contact.scene.task_names import HALVES, suite_tasks
 from coral.flags import class_doc, field_docs
 from coral.reef.eyes import reef_net
 from coral.reef.mission.presets import NOISE, PRESETS

@@ -67,7 +67,7 @@ def commands() -> dict[str, tuple[str, str]]:
 
 FIRST = {
     "reef run": "coral.reef.world.world_names:world_file",
-    "contact run": "coral.contact.scene.task_file:task_path",
+    "contact run": "coral.contact.scene.task_names:task_path",
 }
 """What finds the file that the first word names before the command is imported: a mistyped name is answered at once."""
 HELP = ("-h", "--help")

@@ -18,7 +18,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
+from coral.contact.scene.task_names import every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import PosesAnswer

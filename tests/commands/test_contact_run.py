@@ -8,7 +8,7 @@ from contact_bench import changed
 from coral.cli import main
 from coral.commands.contact_run import HINT, WAYS_ON, KeyboardVerdict
 from coral.contact.episode.trial_log import END_REASONS
-from coral.contact.scene.task_file import TASKS_DIR
+from coral.contact.scene.task_names import TASKS_DIR
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
 

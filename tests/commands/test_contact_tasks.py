@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from coral.cli import main
-from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks
+from coral.contact.scene.task_names import TASKS_DIR, shipped_tasks
 
 
 def answer(capsys):

@@ -3,7 +3,7 @@ import re
 import pytest
 from contact_bench import plain, written
 
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 

@@ -1,7 +1,7 @@
 import gymnasium
 
 import coral.gym  # noqa: F401  (registers)
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task
 from coral.gym.registration import register_environments
 from coral.reef.world.world import shipped_worlds
 

@@ -39,7 +39,7 @@ from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import SUITES, shipped_tasks, suite_tasks
+from coral.contact.scene.task_names import SUITES, shipped_tasks, suite_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import StandIn

@@ -22,7 +22,7 @@ from coral.contact.real_scenes.masks.mask_source import MASKS
 from coral.contact.real_scenes.object_tracking import track_objects
 from coral.contact.real_scenes.pose_picture import draw_poses
 from coral.contact.scene.geometry import matrix_to_body, quaternion_of
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError, RunError

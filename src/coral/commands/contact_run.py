@@ -35,7 +35,7 @@ from coral.contact.episode.resolution import (
 from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, AdvisorSetup, contact_advisor, contact_model
 from coral.contact.perception.tracker_registry import TRACKERS
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import StandIn, Told

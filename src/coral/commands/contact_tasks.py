@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from coral.contact.scene.instruction_check import unmatched_words
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.flags import Argument

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from coral.contact.scene.task_file import every_task, task_path
+from coral.contact.scene.task_names import every_task, task_path
 from coral.errors import InputError
 from coral.interrupts import wait_for_interrupt
 from coral.reef.world.world_names import shipped_worlds, world_file

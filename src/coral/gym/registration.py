@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gymnasium
 
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task
 from coral.reef.world.world_names import shipped_worlds
 
 

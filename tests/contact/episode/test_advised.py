@@ -16,7 +16,7 @@ from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.mppi.knots import KnotMppiCfg

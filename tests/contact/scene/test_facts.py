@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coral.contact.scene.facts import SceneFacts, on_table
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 
 
 def strays(value, kind, where=""):

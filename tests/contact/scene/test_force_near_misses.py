@@ -4,7 +4,7 @@ import pytest
 from judged_trial import JudgedTrial, at_rest, slid, still, touches
 
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.task_file import suite_tasks
+from coral.contact.scene.task_names import suite_tasks
 
 EDGE = (0.0, 0.02)
 """A point of the step's edge."""

@@ -4,7 +4,7 @@ import pytest
 from contact_bench import make_trial, plain
 
 from coral.contact.scene.instruction_check import is_colour, unmatched_words
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task
 from coral.contact.tasks import load_task
 
 BOX = plain()["objects"][0]

@@ -5,7 +5,7 @@ import pytest
 from judged_trial import JudgedTrial, gripped, on_joint, placed, slid, still, touches
 
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.task_file import suite_tasks
+from coral.contact.scene.task_names import suite_tasks
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 JUDGED = set()

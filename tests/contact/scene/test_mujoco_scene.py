@@ -10,7 +10,7 @@ from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import from_rotvec, rotation_of
 from coral.contact.scene.mujoco_scene import TABLE_COLOR, add_scene, geom_gap
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task
 from coral.contact.scene.trial import PhysicalParameters, stated_beliefs, with_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld

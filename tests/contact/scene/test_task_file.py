@@ -10,7 +10,8 @@ from contact_bench import changed, plain, stl, written
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from coral.contact.scene.task_file import HALVES, SUITES, TASKS_DIR, every_task, suite_tasks, task_path, task_schema
+from coral.contact.scene.task_file import task_schema
+from coral.contact.scene.task_names import HALVES, SUITES, TASKS_DIR, every_task, suite_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError
@@ -252,21 +253,3 @@ def test_whatever_is_written_loads_or_is_refused_in_one_line(tmp_path, changes):
 def test_no_text_is_a_task(tmp_path, text):
     with pytest.raises(InputError):
         written(tmp_path, text.encode("utf-8", "replace"))
-
-
-def test_a_name_means_a_shipped_file_and_a_path_itself(tmp_path):
-    assert task_path("pick-box") == TASKS_DIR / "pick-box.yaml"
-    assert task_path(tmp_path / "own.yaml") == tmp_path / "own.yaml"
-    assert all(task_path(name).is_file() for name in every_task())
-
-
-def test_a_mistyped_name_is_answered_with_the_nearest():
-    with pytest.raises(InputError, match=r"task: found 'pick-bx', expected one of push-pick-board, .*'pick-box'"):
-        task_path("pick-bx")
-
-
-def test_a_file_beside_without_its_ending_is_suggested(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "nudge.yaml").write_text("")
-    with pytest.raises(InputError, match=r"did you mean 'nudge\.yaml'"):
-        task_path("nudge")

@@ -16,7 +16,7 @@ from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import BodyState, HandTarget, Observation
 from coral.contact.scene.shapes import Joint, Shape
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import (
     FRICTION,
     joint_axis,

@@ -6,7 +6,7 @@ from judged_trial import JudgedTrial, at_rest, gripped, on_joint, placed, slid, 
 
 from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.observation import BodyState
-from coral.contact.scene.task_file import suite_tasks
+from coral.contact.scene.task_names import suite_tasks
 from coral.contact.scene.trial import move_joint
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

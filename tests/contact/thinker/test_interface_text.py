@@ -9,7 +9,7 @@ from contact_bench import seen
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Quantity
 from coral.contact.cost.schema import object_quantities, scenery_quantities
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.interface_text import LEGEND, interface_text

@@ -13,7 +13,7 @@ from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
-from coral.contact.scene.task_file import every_task, suite_tasks
+from coral.contact.scene.task_names import every_task, suite_tasks
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS

@@ -20,7 +20,7 @@ from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
 from coral.contact.plan.imagined_run import ImaginedOutcome
 from coral.contact.scene.observation import HandTarget, Transition
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
