@@ -19,7 +19,7 @@ SAME = {
     ),
     "method kept in a variable": "f = self.ee_pos.dot\nreturn f(self.box_pos)",
     "methods of a dict": (
-        "d = {'a': self.time, 'c': 2.0}\nreturn sum(d.values()) + len(d.keys()) + sum(v for _, v in d.items())"
+        "d = {'a': self.time, 'c': 2.0}\nreturn sum(d.values()) + len(list(d.keys())) + sum(v for _, v in d.items())"
     ),
     "shadowed builtin": "def max(a, b):\n    return a - b\nreturn max(self.time, 3.0)",
 }

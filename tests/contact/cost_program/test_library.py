@@ -15,6 +15,8 @@ SAME = {
     "zip backwards": "return sum(a * b for a, b in zip(self.ee_pos[::-1], [1.0, 2.0]))",
     "extremes of a list": "return max([self.time, 0.5]) + min(self.ee_pos) + max(1, 2)",
     "any and all": "return 1.0 * any(x > 0.2 for x in self.ee_pos) + 2.0 * all([self.time > 0.1, True])",
+    "tuple and list": "return len(list(range(3)) + list((1.0,))) + tuple(self.ee_pos)[1] + len(list())",
+    "truth": "return 1.0 if bool(self.time) else 0.0",
     "math": "return math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
 }
 REFUSED = {
@@ -32,6 +34,7 @@ REFUSED = {
     "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
     "long range": ("return sum(range(65))", "steps", "at most 64"),
     "whole numbers": ("return round(self.time)", "unknown_name", "no slope to follow"),
+    "list of None": ("return len(list(None))", "wrong_type", "None cannot be looped over"),
     "sum of None": ("return sum(None)", "wrong_type", "None cannot be looped over"),
     "largest of nothing": ("return max([])", "wrong_call", "several numbers"),
     "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "takes a number, not a vector of 3"),

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coral.contact.cost_program import functions
-from coral.contact.cost_program.arithmetic import as_vector, dot
+from coral.contact.cost_program.arithmetic import as_vector, dot, truth
 from coral.contact.cost_program.functions import of_one, of_two, reduction
 from coral.contact.cost_program.limits import MOST_TURNS, Meter
 from coral.contact.cost_program.values import Builtin, Value, entries, is_number, is_vector, kind
@@ -103,6 +103,17 @@ def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
     return list(enumerate(entries(meter, iterable), start))
 
 
+def _sequence(sort: type[list[Value]] | type[tuple[Value, ...]]) -> Callable[..., Value]:
+    def call(meter: Meter, values: Value = (), /) -> Value:
+        return sort(entries(meter, values))
+
+    return call
+
+
+def _bool(meter: Meter, value: Value = False, /) -> Value:
+    return truth(meter, value)
+
+
 def _any(name: str) -> Callable[..., Value]:
     def call(meter: Meter, values: Value, /) -> Value:
         return functions.fold_truth(name, meter, entries(meter, values))
@@ -137,11 +148,14 @@ PYTHON: Table = {
     "sum": Offer(functions.add_up, "list start"),
     "len": Offer(_length, "list"),
     "float": Offer(functions.to_float, "number"),
+    "bool": Offer(_bool, "number"),
     "range": Offer(_range, "whole"),
     "zip": Offer(_zip, "list"),
     "enumerate": Offer(_enumerate, "list start"),
     "any": Offer(_any("any"), "truths"),
     "all": Offer(_any("all"), "truths"),
+    "list": Offer(_sequence(list), "list"),
+    "tuple": Offer(_sequence(tuple), "list"),
 }
 NUMPY: Table = {
     **{
@@ -193,7 +207,6 @@ _INSTEAD = {
     "int round math.floor math.ceil math.trunc": "the number itself: a cost in steps has no slope to follow",
     "np.floor np.ceil np.trunc np.fix np.rint np.round np.around": "the number itself: steps have no slope to follow",
     "np.int32 np.int64": "dtype=float, or nothing: arrays hold decimals",
-    "bool list tuple": "the value itself",
     "np.add np.subtract np.multiply np.divide": "the operators + - * /",
     "np.fabs np.absolute": "np.abs(x)",
     "np.full np.full_like np.zeros_like np.ones_like": "value * np.ones(n)",
