@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from websockets.sync.server import serve as websocket_server
 
-from coral.contact.episode.cfg import ClientCfg
+from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.wire import decode, encode
 
 PATIENT = ClientCfg(connect_s=5.0, answer_s=5.0, attempts=2, wait_s=0.0)

@@ -3,7 +3,7 @@ import socket
 import numpy as np
 import pytest
 
-from coral.contact.episode.cfg import ClientCfg
+from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.client import KEY_VARIABLE, PolicyClient, PolicyError
 
 

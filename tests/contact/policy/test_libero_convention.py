@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.contact.episode.cfg import LiberoCfg
+from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyError
 from coral.contact.policy.libero_convention import actions_of, axis_angle, opened, state, target
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply

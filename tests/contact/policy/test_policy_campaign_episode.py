@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.contact.episode.cfg import EpisodeCfg, PolicyCamerasCfg, PolicyCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.policy_cfg import PolicyCamerasCfg, PolicyCfg
 from coral.contact.policy.address import Address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode, serving
 from coral.contact.tasks import load_task

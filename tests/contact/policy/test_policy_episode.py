@@ -10,7 +10,8 @@ import yaml
 
 from config_reads import watched
 from coral.cli import _parse, main
-from coral.contact.episode.cfg import EpisodeCfg, LiberoCfg, PolicyCamerasCfg, PolicyCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.policy_cfg import LiberoCfg, PolicyCamerasCfg, PolicyCfg
 from coral.contact.episode.trial_log import END_REASONS
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import PolicyError

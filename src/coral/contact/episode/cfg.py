@@ -1,98 +1,21 @@
-"""Configuration of a contact episode, and of a served policy that acts in it."""
+"""Configuration of a contact episode."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import Field
-
-from coral.config import Count, NonNegative, Positive, Signed
+from coral.config import Count
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.control.reactive import ReactiveCfg
+from coral.contact.episode.policy_cfg import PolicyCfg
 from coral.contact.episode.recorder import EpisodeRecordCfg
 from coral.contact.episode.referee import JudgedBy
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.worlds.franka_cfg import FrankaCfg
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClientCfg:
-    """Deadlines and limits."""
-
-    connect_s: Positive = 10.0
-    """Time to connect and receive the server's metadata."""
-    answer_s: Positive = 90.0
-    """Time for one chunk of actions. A server that compiles at its first request may need a minute."""
-    attempts: Count = 3
-    """Maximum number of times that a request is sent if the connection fails, each time on a new one."""
-    wait_s: NonNegative = 2.0
-    """Wait between attempts."""
-    most_bytes: Count = 4 * 2**20
-    """Longest message; a chunk of fifty actions has 3 kB."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PolicyCamerasCfg:
-    """Configuration of both cameras."""
-
-    pixels: Annotated[int, Field(ge=16, le=1024)] = 224
-    """Width and height (openpi's LIBERO example sends 224)."""
-    eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
-    target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
-    """Position and target of the camera across the table: LIBERO's "agentview" in our frame."""
-    vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
-    """Its field of view (MuJoCo's default, which LIBERO keeps)."""
-    wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
-    """Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x."""
-    wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
-    """Its field of view (robosuite's "eye_in_hand")."""
-    mirrored: bool = True
-    """Whether left and right are exchanged, as in LIBERO: it turns OpenGL's bottom-up rows by half a turn."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LiberoCfg:
-    """Scales and rates of the convention."""
-
-    rate_hz: Positive = 20.0
-    """Actions per second (LIBERO's control frequency)."""
-    ticks: Count = 5
-    """World steps during one action, each within the reactive layer's limits."""
-    execute: Count = 5
-    """Number of actions of a chunk to execute before the next request (openpi's LIBERO example: 5)."""
-    step_m: Positive = 0.05
-    """Position step for an action of 1 (robosuite: 0.05)."""
-    step_rad: Positive = 0.5
-    """Rotation about each axis for an action of 1 (robosuite: 0.5)."""
-    opening_m_s: Positive = 0.2
-    """Speed of the finger opening; robosuite's gripper closes fully in eight actions."""
-    gripper: Literal["positive", "negative"] = "positive"
-    """Sign that closes the fingers: "positive" (LIBERO, robosuite) or "negative"."""
-    stiffness_n_m: Positive = 675.0
-    """Stiffness of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg."""
-    origin_m: tuple[Signed, Signed, Signed] = (-0.16, 0.0, 0.9)
-    """Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66."""
-
-    @property
-    def tick_s(self) -> float:
-        """Return the control period of the world."""
-        return 1.0 / (self.rate_hz * self.ticks)
-
-
-@dataclass(frozen=True, kw_only=True)
-class PolicyCfg:
-    """How a served policy is run."""
-
-    client: ClientCfg = field(default_factory=ClientCfg)
-    """Deadlines and limits."""
-    libero: LiberoCfg = field(default_factory=LiberoCfg)
-    """Meaning of observations and actions."""
-    eyes: PolicyCamerasCfg = field(default_factory=PolicyCamerasCfg)
-    """The cameras."""
 
 
 @dataclass(frozen=True, kw_only=True)

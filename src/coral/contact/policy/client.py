@@ -16,7 +16,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
-from coral.contact.episode.cfg import ClientCfg
+from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.wire import WireError, decode, encode
 
 KEY_VARIABLE = "CORAL_POLICY_KEY"

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
-from coral.contact.episode.cfg import LiberoCfg
+from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyError
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import Array, HandTarget, Observation

@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from coral.contact.episode.cfg import ClientCfg, EpisodeCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.client import OUTAGES, PolicyClient, PolicyError
 from coral.contact.policy.policy_episode import PolicyEpisode

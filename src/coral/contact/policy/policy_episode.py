@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from coral.config import to_mapping
 from coral.contact.control.reactive import Reactive
-from coral.contact.episode.cfg import EpisodeCfg, PolicyCamerasCfg
+from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
+from coral.contact.episode.policy_cfg import PolicyCamerasCfg
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import make_referee
 from coral.contact.episode.trial_log import conditions_not_held, start_fields, write_head

@@ -1,6 +1,6 @@
 import pytest
 
-from coral.contact.episode.cfg import LiberoCfg
+from coral.contact.episode.policy_cfg import LiberoCfg
 
 
 def test_a_world_ticks_so_often_during_an_action():
