@@ -107,12 +107,6 @@ def test_after_a_wait_interrupts_are_held_back_again():
     assert steps == ["whole"]
 
 
-def interrupted_wait(steps):
-    with interruptible():
-        interrupt()
-        steps.append("never")
-
-
 def test_an_error_of_the_step_takes_precedence():
     def fail():
         with uninterrupted():

@@ -65,6 +65,22 @@ def test_arming_may_come_from_the_page(words, pipe):
     assert Keyboard(words, source).wait_for_arm()
 
 
+@pytest.mark.parametrize("after", ["stop", "surface", "disarm"])
+def test_what_ends_a_survey_prevails_over_arm_before_it_begins(words, pipe, after):
+    source, write = pipe
+    write(f"arm\n{after}\n")
+    assert not Keyboard(words, source).wait_for_arm()
+
+
+def test_a_hold_after_arm_takes_it_back(words, capsys):
+    reading, writing = os.pipe()
+    os.write(writing, b"arm\nhold\n")
+    os.close(writing)
+    with os.fdopen(reading) as source:
+        assert not Keyboard(words, source).wait_for_arm()
+    assert "type arm to begin" in capsys.readouterr().err
+
+
 def test_the_end_of_the_input_arms_nothing(words):
     with open(os.devnull) as source:
         assert not Keyboard(words, source).wait_for_arm()

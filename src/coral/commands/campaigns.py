@@ -141,7 +141,7 @@ class CampaignCommand(ABC):
         """Return the command as it was typed, without the flags that do not change its results."""
         about = describe_flags(type(self))
         given = scan(self.typed, about, self.name)
-        alike = {field.name for field in fields(CampaignCommand)}
+        alike = {field.name for field in fields(CampaignCommand)} | {"inbox"}
         words = ["coral", *self.name.split()]
         for flag in about.flags:
             values = given.get(flag.field)

@@ -40,13 +40,20 @@ class Keyboard:
                     self._take(letter, keys)
 
     def wait_for_arm(self) -> bool:
-        """Wait until `arm` is typed, or said elsewhere; False when the operator gives up or the input ends."""
+        """Wait until `arm` is typed, or said elsewhere; False when the operator gives up or the input ends.
+
+        Whatever is said after `arm` takes it back.
+        """
         while not self._ended:
             for letter in self._read():
                 self._take(letter, keys=False)
-            for word, _ in self._words.take():
-                if word in ("arm", "stop"):
-                    return word == "arm"
+            said = [word for word, _ in self._words.take()]
+            if any(word in ("stop", "surface", "disarm") for word in said):
+                return False
+            if said and said[-1] == "arm":
+                return True
+            if said:
+                tell("type arm to begin, q to give up")
         return False
 
     def _take(self, letter: str, keys: bool) -> None:
@@ -66,7 +73,7 @@ class Keyboard:
             elif self._instruct is not None and line.lower().startswith("i "):
                 self._send(line[2:])
             elif line:
-                tell(f"type {', '.join(WORDS)}; or {HELP}")
+                tell(f"type {', '.join(WORDS)}; q is stop")
         else:
             self._text += letter
 

@@ -144,7 +144,9 @@ class ReefBench(CampaignCommand):
     @property
     def _presets(self) -> tuple[str, ...]:
         names = parse_names(self.presets, "--presets")
-        return tuple(name for name in names if named(name))
+        for name in names:
+            named(name)
+        return tuple(names)
 
     def _advisor(self, name: str) -> Advisor:
         return reef_advisor(name, inbox=self.inbox, model=self.model, where="--advisors")

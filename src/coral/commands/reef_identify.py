@@ -11,7 +11,7 @@ from typing import Any
 
 from coral.commands.keyboard import Keyboard
 from coral.commands.sail_conduct import beside_keyboard
-from coral.commands.sail_parts import follow_truth
+from coral.commands.sail_parts import await_truth
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
@@ -62,7 +62,7 @@ class ReefIdentify:
             link = MavlinkLink(parse_address(self.vehicle))
             opened.callback(link.close)
             if self.truth:
-                follow_truth(self.truth, opened)
+                await_truth(self.truth, opened)
             elif self.yes:
                 raise InputError("--yes", "", f"{self.vehicle}, which may be a real vehicle", "--truth of a simulation")
             log = self._drive(link)

@@ -18,6 +18,8 @@ from coral.reef.sea.sea_mission import SeaMission
 from coral.run_loop import Observer
 
 T = TypeVar("T")
+STOP_S = 5.0
+"""Time for the work to end when the keyboard fails."""
 
 
 def conduct(
@@ -53,9 +55,15 @@ def beside_keyboard(
         except BaseException as error:
             done.set_exception(error)
 
+    thread = threading.Thread(target=control, name="coral-control", daemon=True)
     with signals_as_words(words):
-        threading.Thread(target=control, name="coral-control", daemon=True).start()
-        Keyboard(words, instruct=instruct).listen(done.done)
+        thread.start()
+        try:
+            Keyboard(words, instruct=instruct).listen(done.done)
+        except BaseException:
+            words.say("stop", "failure")  # nothing may command the vehicle after the caller's own last order
+            thread.join(STOP_S)
+            raise
     return done.result()
 
 

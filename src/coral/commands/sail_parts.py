@@ -240,7 +240,7 @@ def _vehicle(
         pose_source="autopilot" if kind == "mavlink" else kind,
         trust_heading=is_survey(Path(flags.area)),
         proven_simulation=bool(flags.truth),
-        truth=follow_truth(flags.truth, opened) if flags.truth else reported,
+        truth=await_truth(flags.truth, opened) if flags.truth else reported,
     )
 
 
@@ -278,7 +278,7 @@ def _ros_place(flags: SailFlags) -> str:
     return place if kind == "ros2" else ""
 
 
-def follow_truth(address: str, opened: ExitStack, timeout_s: float = 10.0) -> Callable[[], tuple[float, Pose] | None]:
+def await_truth(address: str, opened: ExitStack, timeout_s: float = 10.0) -> Callable[[], tuple[float, Pose] | None]:
     """Wait for the state of a simulation at an address: only a simulation tells one. Return what tells the newest.
 
     Raises:

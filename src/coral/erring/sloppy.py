@@ -148,6 +148,8 @@ class SloppyAdvisor:
         tried: Sequence[Sequence[Mistake]],
         rng: np.random.Generator,
     ) -> Reply[A]:
+        if any(mistake.err is _stay_silent for part in tried for mistake in part):
+            _stay_silent()  # nobody is asked, or his answer would have to be paid
         reply = await self.inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         past = self._past.setdefault(question.kind, deque(maxlen=KEPT))

@@ -29,7 +29,7 @@ REFUSED = {
         "dist takes (p, q): missing",
     ),
     "name of an argument without one": ("return float(value=self.time)", "wrong_call", "positional only"),
-    "array of whole numbers": ("return np.array([1, 2], dtype=abs)[0]", "wrong_call", "float64 only"),
+    "array of whole numbers": ("return np.array([1, 2], dtype=int)[0]", "unknown_name", "dtype=float, or nothing"),
     "range without a step": ("return sum(range(0, 3, 0))", "wrong_call", "not 0"),
     "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
     "long range": ("return sum(range(65))", "steps", "at most 64"),

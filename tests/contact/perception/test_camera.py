@@ -62,9 +62,15 @@ WHITE = np.ones((1, 3))
 AHEAD, UP = [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]
 
 
-def light(*normals, colour=WHITE, solid=0):
-    """Red, green and blue of a row of pixels with these normals."""
-    return shade(np.array([normals]), np.full((1, len(normals)), solid, np.int64), colour, LENS)[0].tolist()
+def light(*normals):
+    """Red, green and blue of a row of white pixels with these normals."""
+    return shade(np.array([normals]), np.zeros((1, len(normals)), np.int64), WHITE, LENS)[0].tolist()
+
+
+def test_a_pixel_has_the_colour_of_its_solid_and_the_rest_is_sky():
+    colours = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    (row,) = shade(np.array([[AHEAD, AHEAD]]), np.array([[1, -1]]), colours, LENS)
+    assert row.tolist() == [[0, 0, 179], [191, 209, 230]]
 
 
 def test_a_surface_that_faces_the_camera_has_the_headlight_on_it():

@@ -1,4 +1,4 @@
-"""SurveyEstimate of oysters from pictures, and its interval."""
+"""Area of oysters from pictures, and its interval."""
 
 import math
 from dataclasses import replace

@@ -96,6 +96,19 @@ def test_a_hold_lasts_until_the_operators_word(bench):
     assert bench.link.done == ["hold", "arm"]
 
 
+@pytest.mark.parametrize("word", ["resume", "home"])
+def test_eyes_that_judge_nothing_hold_the_vehicle_until_the_operators_word(word):
+    bench = Bench(on_unjudged="hold", unjudged_s=5.0)
+    bench.safety.sees_m = lambda: 0.0
+    assert bench.tick(seconds=6.0) is PilotState.HOLDING
+    bench.tick(word)
+    assert bench.tick(seconds=30.0) is PilotState.SURVEYING
+    bench.safety.sees_m = lambda: 2.0
+    bench.tick()
+    bench.safety.sees_m = lambda: 0.0
+    assert bench.tick(seconds=6.0) is PilotState.HOLDING
+
+
 def test_a_stop_ends_and_holds_and_never_disarms(bench):
     bench.tick("stop")
     assert bench.supervisor.end_reason == "stopped by the operator (keyboard)"

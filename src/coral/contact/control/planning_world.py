@@ -64,8 +64,8 @@ class PlanningCfg:
     """The hand's apparent dynamics."""
     latency: str = "0"
     """Time that passes in the world while a plan is computed: measured (as long as it takes on this machine),
-    fixed:SECONDS, or 0: the world stands still. With latency a plan starts from the state predicted for the moment at
-    which it will be ready, and the hand follows the plan before until then."""
+    SECONDS or fixed:SECONDS, or 0: the world stands still. With latency a plan starts from the state predicted for the
+    moment at which it will be ready, and the hand follows the plan before until then."""
 
 
 @dataclass(frozen=True)

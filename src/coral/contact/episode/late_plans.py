@@ -18,7 +18,7 @@ from coral.contact.cost.context import Array
 from coral.contact.scene.observation import HandTarget, Observation
 from coral.errors import InputError
 
-FORMS = "0, measured or fixed:SECONDS"
+FORMS = "0, SECONDS, fixed:SECONDS or measured"
 REMEMBERED = 25
 """Number of plans whose durations predict the next one's."""
 
@@ -26,8 +26,9 @@ REMEMBERED = 25
 class PlanLatency:
     """Counts a plan's duration in control steps of `step_s` (s), before it is computed and after.
 
-    `0`: the world stands still while a plan is computed. `fixed:SECONDS`: every plan takes so long, whatever the
-    machine. `measured`: as long as it takes here. A plan has `most` control steps, and `least` lie between two.
+    `0`: the world stands still while a plan is computed. `SECONDS` or `fixed:SECONDS`: every plan takes so
+    long, whatever the machine. `measured`: as long as it takes here. A plan has `most` control steps, and `least` lie
+    between two.
 
     Raises:
         InputError: The text is none of these, or no part of a plan would be left when it is ready.

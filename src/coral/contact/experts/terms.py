@@ -80,17 +80,17 @@ def squareness(state: Context, ahead: Array) -> Array:
     return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
 
 
-def reach_terms(state: Context, name: str, target: Array, squareness: Array, above_m: float) -> Terms:
+def reach_terms(state: Context, name: str, target: Array, misaligned: Array, above_m: float) -> Terms:
     """Compute the cost of coming down from `above_m` behind a face without touching the object.
 
-    The target of the tool has Shape=(..., 3) m, `squareness`, the fingers' misalignment with the face, Shape=(...).
+    The target of the tool has Shape=(..., 3) m, `misaligned`, the fingers' misalignment with the face, Shape=(...).
     """
     off = state.ee_pos - target
     over = np.clip(norm(off[..., :2]) - 0.015, 0, 0.05) / 0.05
     return {
         "reach": 12.0 * norm(off),
         "come from above": 30.0 * over * np.clip(above_m - state.ee_pos[..., 2], 0, 0.1),
-        "square": 4.0 * squareness,
+        "square": 4.0 * misaligned,
         "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
         "leave alone": 0.2 * norm(state[f"{name}_hand_force"]),
     }

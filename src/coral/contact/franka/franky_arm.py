@@ -153,7 +153,7 @@ class FrankyArm:
             self._robot.join_motion(1.0)
 
     def _gains(self, stiffness: float) -> Any:
-        hand = HandCfg()  # damped critically for the inertia that the planner assumes
+        hand = HandCfg()  # damped critically for the default hand's inertia
         gain = np.array([stiffness] * 3 + [stiffness * hand.lever_m2] * 3)
         inertia = np.array([hand.mass_kg] * 3 + [hand.inertia_kg_m2] * 3)
         return self._franky.CartesianImpedanceGains.diagonal(gain, 2.0 * np.sqrt(gain * inertia))

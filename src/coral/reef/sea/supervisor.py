@@ -157,7 +157,7 @@ class Supervisor:
     def _resume(self, report: VehicleReport) -> None:
         """Continue after a hold, or after a person has steered; with what has happened so far."""
         if self.states.state in (PilotState.HOLDING, PilotState.TAKEN_OVER):
-            self.safety.accept(report)
+            self.safety.go_on(report)
             self._go_on = (_OPERATOR, "go on")
             self._order("arm")
 
