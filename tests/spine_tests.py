@@ -1,6 +1,7 @@
 """Run the tests of the spine with each wing taken off in turn: `make wings`, or `python tests/spine_tests.py WING...`.
 
-A test stays if its folder is not of that wing nor of one that needs it, and its text names no module of either.
+A test is the spine's if it lies in no wing's folder. It is left out if its text names a module of the wing that is off,
+or of one that needs it: such a test shows how the two work together.
 """
 
 import os
@@ -17,15 +18,11 @@ TESTS = ROOT / "tests"
 def tests_without(name):
     """Return the test files that remain when a wing is off."""
     listed = wings()
-    pages = {other: page_of(other) for other in listed}
-    needing = {name} | {other for other, page in pages.items() if f"`{name}`" in page}
-    useless = set(needing)
-    while more := {other for other, page in pages.items() if any(f"`{one}`" in page for one in useless)} - useless:
-        useless |= more
+    needing = {name} | {other for other in listed if f"`{name}`" in page_of(other)}
     off = [path for one in needing for path in paths(listed[one])]
     words = "|".join(re.escape(each) for path in off for each in (path.replace("/", "."), f"{path}.py"))
     named = re.compile(rf"\b(?:{words})\b")
-    folders = [path for one in useless for path in paths(listed[one])]
+    folders = [path for wing in listed.values() for path in paths(wing)]
     kept = []
     for path in sorted(TESTS.rglob("test_*.py")):
         inside = str(path.relative_to(TESTS)).removesuffix(".py").replace("test_", "")
@@ -55,7 +52,7 @@ def main(names):
         with tempfile.TemporaryDirectory() as folder:
             copy_without([name], folder)
             environment = {**os.environ, "PYTHONPATH": folder}
-            command = [sys.executable, "-m", "pytest", "-q", "-n", "2", *map(str, tests_without(name))]
+            command = [sys.executable, "-m", "pytest", "-n", "2", *map(str, tests_without(name))]
             done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
         print(f"{name}: {done.stdout.rstrip().splitlines()[-1]}", flush=True)
         failed += [
