@@ -81,9 +81,9 @@ test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is conf
 	$(call requirements,slurm)
 	$(BIN)/python -m pytest -m slurm tests/campaign/test_slurm.py
 
-test-ros2: setup-dev  ## a survey and tasks over ROS 2, with vehicle and arm in other processes (620 MB installed)
-	$(call requirements,ros2 franka franka-sim)
-	$(BIN)/python -m pytest -m ros2 tests/reef/ros tests/contact/franka
+test-ros2: setup-dev  ## a survey over ROS 2, with the vehicle in another process (160 MB installed)
+	$(call requirements,ros2)
+	$(BIN)/python -m pytest -m ros2 tests/reef/ros
 
 test-warp: setup-dev  ## rollouts by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
 	$(call requirements,warp)

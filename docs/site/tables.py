@@ -19,7 +19,6 @@ from coral.advisor.registry import ENTRIES
 from coral.campaign.store import CampaignFiles
 from coral.contact.episode.recorder import columns_told
 from coral.contact.episode.trial_log import END_REASONS
-from coral.contact.franka import ros_topics as arm_topics
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
@@ -124,7 +123,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "clauses": partial(make.conditions, Clause),
     "topics-survey": partial(make.topics, reef_bag.TOPICS),
     "topics-ros2": partial(make.topics, VEHICLE_TOPICS),
-    "topics-ros2-arm": partial(make.topics, arm_topics.TOPICS),
     "mistakes-survey": partial(make.mistakes, REEF_MISTAKES),
     "mistakes-task": partial(make.mistakes, CONTACT_MISTAKES),
     "unseen": partial(make.suite, "unseen"),

@@ -31,18 +31,11 @@ def test_a_missing_robot_is_one_line_and_exit_code_2(capsys):
     assert "--robot: found nothing" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("robot", "module", "told"),
-    [
-        ("10.0.0.1", "franky", "expected the extra franka"),
-        ("ros2:/fr3", "rclpy", "expected ROS 2: source its setup.bash in this terminal, or the extra ros2"),
-    ],
-)
-def test_a_missing_extra_is_one_line_and_exit_code_2(capsys, monkeypatch, tmp_path, robot, module, told):
-    monkeypatch.setitem(__import__("sys").modules, module, None)
-    words = ["contact", "run", "pick-box", "--world", "franka", "--robot", robot, "--cfg.judged-by", "operator"]
+def test_a_missing_extra_is_one_line_and_exit_code_2(capsys, monkeypatch, tmp_path):
+    monkeypatch.setitem(__import__("sys").modules, "franky", None)
+    words = ["contact", "run", "pick-box", "--world", "franka", "--robot", "10.0.0.1", "--cfg.judged-by", "operator"]
     assert main([*words, "--out", str(tmp_path / "run")]) == 2
-    assert told in capsys.readouterr().err
+    assert "expected the extra franka" in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
 
 

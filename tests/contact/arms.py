@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from coral.contact.franka.arm import ArmError, ArmState
+from coral.contact.franka.franky_arm import ArmError, ArmState
 from coral.contact.worlds.franka_cfg import FrankaCfg
 
 START = np.array(FrankaCfg().start_rad)

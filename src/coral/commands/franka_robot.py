@@ -6,21 +6,19 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from coral.check_line import blocking, list_text
 from coral.commands.robot_flags import SIMULATED, RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.franka.double import Double, cfg_for_double
+from coral.contact.franka.franky_arm import FrankyArm, franky
 from coral.contact.franka.preflight import MARKS, preflight_arm
-from coral.contact.franka.ros_arm import PREFIX, RosArm
-from coral.contact.franka.stream_process import MakeArm, StreamProcess
+from coral.contact.franka.stream_process import StreamProcess
 from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
-from coral.ros.ros_node import ros_type
 from coral.terminal import tell
 
 if TYPE_CHECKING:
@@ -67,8 +65,8 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bo
         RunError: A line of the list is not in order, or the operator did not say the word.
     """
     assert flags.robot is not None
+    franky()  # a missing extra is said before anything is started
     arm, names = cfg.franka, tuple(item.name for item in trial.task.objects)
-    make_arm = _arm_maker(flags, names)
     double: Double | None = None
     stream: StreamProcess | None = None
     camera: CameraProcess | None = None
@@ -77,7 +75,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bo
         if flags.robot == SIMULATED:
             tell("starting the simulated arm ...")
             double = Double(trial, arm)
-        stream = StreamProcess(make_arm, double.address if double else flags.robot, arm, trial)
+        stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, trial)
         if flags.camera is not None:
             camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port), double)
         elif double is not None:
@@ -93,17 +91,6 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bo
     kind = FrankaWorld if double is None else FrankaDoubleWorld
     period_s = cfg.planning.step_s
     return kind(stream, arm, period_s, names, double=double, camera=camera, dry_run=flags.dry_run, show=show)
-
-
-def _arm_maker(flags: RobotFlags, names: tuple[str, ...]) -> MakeArm:
-    """Return what makes the arm; a missing extra is said before anything is started."""
-    if flags.robot is not None and flags.robot.startswith(PREFIX):
-        ros_type("rclpy.context.Context", "--robot")
-        return partial(RosArm, objects=() if flags.camera else names)
-    from coral.contact.franka.franky_arm import FrankyArm, franky
-
-    franky()
-    return FrankyArm
 
 
 def _start_camera(

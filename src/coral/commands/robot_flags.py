@@ -23,9 +23,8 @@ class RobotFlags:
 
     world: str = "panda"
     """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
-    robot: Annotated[str | None, Option(metavar="ADDRESS|ros2:NAMESPACE|sim")] = None
-    """The arm of --world franka: its address; ros2: with a namespace or a file of ROS parameters; or sim, a simulated
-    arm that speaks the arm's own protocol."""
+    robot: Annotated[str | None, Option(metavar="ADDRESS|sim")] = None
+    """The arm of --world franka: its address; or sim, a simulated arm that speaks the arm's own protocol."""
     dry_run: bool = False
     """Read the arm and show its commands without sending them."""
     yes: bool = False

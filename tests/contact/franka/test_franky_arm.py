@@ -9,8 +9,7 @@ import pytest
 from arms import DOWN, START, TOOL
 
 from coral.contact.franka import franky_arm
-from coral.contact.franka.arm import ArmError
-from coral.contact.franka.franky_arm import FrankyArm
+from coral.contact.franka.franky_arm import ArmError, FrankyArm
 from coral.contact.scene.observation import HandTarget
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError

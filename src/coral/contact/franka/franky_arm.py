@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import threading
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from coral.contact.control.hand_model import HandCfg
-from coral.contact.franka.arm import ArmError, ArmState
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka_cfg import FrankaCfg
@@ -26,6 +26,35 @@ OPENING_STEP_M = 0.004
 """Smallest change of the commanded opening that is worth a command: the gripper takes a few a second."""
 
 
+class ArmError(RuntimeError):
+    """The arm refused a command, or its link is down."""
+
+
+@dataclass(frozen=True)
+class ArmState:
+    """What the arm measures, in its base frame."""
+
+    time_s: float
+    """The arm's own clock."""
+    joints: Array
+    """Shape=(7,) rad."""
+    joint_speeds: Array
+    """Shape=(7,) rad/s."""
+    position: Array
+    """Shape=(3,) m, of the tool."""
+    quaternion: Array
+    """Shape=(4,), of the tool."""
+    twist: Array
+    """Shape=(6,) velocity of the tool (m/s) and angular velocity (rad/s)."""
+    wrench: Array
+    """Shape=(6,) force (N) and torque (N m) of the surroundings on the hand, as the arm estimates them: with bias and
+    noise."""
+    opening_m: float
+    """Distance between the finger pads."""
+    fault: str = ""
+    """Why the arm does not obey (a reflex, the user's stop button); "" while it does."""
+
+
 def franky() -> Any:
     """Import the package.
 
@@ -40,7 +69,7 @@ def franky() -> Any:
 
 
 class FrankyArm:
-    """Drives a Panda or FR3 by Cartesian impedance.
+    """Drives a Panda or FR3 by Cartesian impedance. No method waits for the end of a motion.
 
     Raises:
         InputError: The package is missing, or nothing answers at the address.
@@ -68,7 +97,11 @@ class FrankyArm:
         threading.Thread(target=self._watch_gripper, name="franka-gripper", daemon=True).start()
 
     def read(self) -> ArmState:
-        """See `Arm.read`."""
+        """Return the newest state.
+
+        Raises:
+            ArmError: There is none.
+        """
         try:
             state = self._robot.state
         except Exception as error:
@@ -87,14 +120,18 @@ class FrankyArm:
         )
 
     def go_to(self, joints: Array) -> None:
-        """See `Arm.go_to`."""
+        """Begin a slow motion to a posture, Shape=(7,) rad."""
         with self._translating():
             self._robot.recover_from_errors()
             self._robot.move(self._franky.JointMotion(list(joints)), asynchronous=True)
         self._going = True
 
     def arrived(self) -> bool:
-        """See `Arm.arrived`."""
+        """Return whether the motion of `go_to` has ended.
+
+        Raises:
+            ArmError: It was aborted.
+        """
         with self._translating():
             if self._going and not self._robot.poll_motion():
                 self._robot.join_motion()
@@ -102,7 +139,11 @@ class FrankyArm:
         return not self._going
 
     def follow(self, target: HandTarget) -> None:
-        """See `Arm.follow`."""
+        """Pull the tool towards a target in the base frame, as a spring; the first call begins the motion.
+
+        Raises:
+            ArmError: The arm does not obey.
+        """
         x, w = target.position, target.quaternion
         pose = self._franky.Affine(np.asarray(x), np.array([w[1], w[2], w[3], w[0]]))
         with self._translating():
@@ -121,7 +162,7 @@ class FrankyArm:
             self._tracker.set_target(pose)
 
     def open_to(self, opening_m: float) -> None:
-        """See `Arm.open_to`."""
+        """Command an opening of the gripper, at every tick; closing on an object holds it with the gripper's force."""
         cfg, width = self._cfg, min(max(opening_m, 0.0), 0.08)
         if self._grip is not None and not self._grip.wait(0.0):
             return  # the gripper is busy; the stream asks again at its next tick
@@ -138,7 +179,7 @@ class FrankyArm:
         self._grip_goal = width
 
     def stop(self) -> None:
-        """See `Arm.stop`."""
+        """Stop all motion of the arm; the gripper keeps its hold. Never raises."""
         with contextlib.suppress(Exception):
             if self._tracker is not None and self._robot.is_in_control:
                 motion = self._franky.TorqueStopMotion(damping=STOP_DAMPING, ramp_duration=STOP_RAMP_S)
@@ -147,7 +188,7 @@ class FrankyArm:
                 self._robot.stop()
 
     def close(self) -> None:
-        """See `Arm.close`."""
+        """Release the connection. Never raises."""
         self._closed.set()
         with contextlib.suppress(Exception):
             self._robot.join_motion(1.0)

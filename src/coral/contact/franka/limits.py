@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from coral.contact.control.hand_model import HandCfg
-from coral.contact.franka.arm import ArmState
 from coral.contact.franka.arm_geometry import self_distance
+from coral.contact.franka.franky_arm import ArmState
 from coral.contact.franka.hand_gaps import TOUCHING_M, Gap
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import Array, HandTarget

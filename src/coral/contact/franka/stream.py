@@ -8,7 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from coral.contact.franka.arm import Arm, ArmError, ArmState
+from coral.contact.franka.franky_arm import ArmError, ArmState, FrankyArm
 from coral.contact.franka.hand_gaps import Gap, HandGaps
 from coral.contact.franka.limits import Limits
 from coral.contact.franka.object_poses import ObjectPoses
@@ -93,7 +93,7 @@ class Stream:
 
     def __init__(
         self,
-        arm: Arm,
+        arm: FrankyArm,
         poses: ObjectPoses,
         cfg: FrankaCfg,
         clock: Callable[[], float],

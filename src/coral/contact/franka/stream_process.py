@@ -12,8 +12,8 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
 
-from coral.contact.franka.arm import Arm
 from coral.contact.franka.child_process import ChildProcess, get_ready
+from coral.contact.franka.franky_arm import FrankyArm
 from coral.contact.franka.hand_gaps import HandGaps
 from coral.contact.franka.object_poses import ObjectPoses
 from coral.contact.franka.shared_block import SharedBlock
@@ -23,7 +23,7 @@ from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import RunError
 
-MakeArm = Callable[[str, FrankaCfg], Arm]
+MakeArm = Callable[[str, FrankaCfg], FrankyArm]
 """Makes an arm from address and configuration; a function of a module, because a process is spawned."""
 BEAT_S = 0.05
 """Time between the program's signs of life."""
@@ -130,9 +130,8 @@ def _run(
             signal.signal(number, lambda number, _: pressed.append(number))
         _take_priority()
 
-    def prepare() -> tuple[ObjectPoses, Arm]:
-        poses = ObjectPoses(trial.objects, cfg.poses_host, cfg.poses_port)
-        return poses, make_arm(address, replace(cfg, poses_port=poses.port))
+    def prepare() -> tuple[ObjectPoses, FrankyArm]:
+        return ObjectPoses(trial.objects, cfg.poses_host, cfg.poses_port), make_arm(address, cfg)
 
     poses, arm = get_ready(connection, prepare, lambda made: made[0].port)
     stream = Stream(arm, poses, cfg, time.monotonic, HandGaps(trial))
