@@ -38,7 +38,6 @@ COMMANDS = {
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
     "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact poses": ("coral.commands.contact_poses:ContactPoses", "track a task's objects in a camera's pictures"),
-    "contact calibrate": ("coral.commands.contact_calibrate:ContactCalibrate", "find where a camera stands"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),

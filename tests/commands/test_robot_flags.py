@@ -22,7 +22,7 @@ ARM = RobotFlags(world="franka", robot="10.0.0.1")
         ({"masks": "colour"}, "--masks: found colour, expected it goes with --camera only"),
         ({"camera": "sim"}, "--camera: found sim with --robot 10.0.0.1"),
         ({"camera": "realsense", "robot": "sim"}, "--camera: found realsense with --robot sim"),
-        ({"camera": "realsense"}, "--camera-pose: found nothing, expected a file of coral contact calibrate"),
+        ({"camera": "realsense"}, "--camera-pose: found nothing, expected a file that says where the camera stands"),
     ],
 )
 def test_flags_that_contradict_each_other_are_refused(changes, message):

@@ -15,7 +15,7 @@ import numpy as np
 
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import TRACKERS, choose_tracker
-from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
+from coral.contact.real_scenes.camera_pose_file import read_camera_pose
 from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
 from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
 from coral.contact.real_scenes.masks.mask_source import MASKS
@@ -42,7 +42,7 @@ class ContactPoses:
     """A shipped task or a task file, with the exact sizes of your objects."""
     camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {forms_text(CAMERAS)}.")]
     camera_pose: Path | None = None
-    """Where it stands, a file of coral contact calibrate; by default its frame is the world's."""
+    """File that says where it stands; by default its frame is the world's."""
     masks: Annotated[str, Option(metavar="MASKS", help=f"What segments the pictures: {forms_text(MASKS)}.")] = "colour"
     tracker: Annotated[str, Option(help=f"The tracker: {forms_text(TRACKERS)}.")] = "model"
     seed: int = 0

@@ -33,7 +33,7 @@ class RobotFlags:
     """Track the objects of --world franka by a camera: sim, for the simulated arm, or one that `coral contact poses`
     takes."""
     camera_pose: Path | None = None
-    """Where that camera stands: a file of coral contact calibrate."""
+    """File that says where that camera stands."""
     masks: str | None = None
     """What segments its pictures, as `coral contact poses` takes it; colour by default."""
 
@@ -68,7 +68,7 @@ class RobotFlags:
             expected = f"--camera {SIMULATED_CAMERA} with --robot {SIMULATED}, a real camera with a real arm"
             raise InputError("--camera", "", f"{self.camera} with --robot {self.robot}", expected)
         elif self.camera != SIMULATED_CAMERA and self.camera_pose is None:
-            raise InputError("--camera-pose", "", "nothing", "a file of coral contact calibrate")
+            raise InputError("--camera-pose", "", "nothing", "a file that says where the camera stands")
 
     @property
     def given(self) -> bool:

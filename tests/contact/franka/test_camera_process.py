@@ -12,7 +12,6 @@ from coral.contact.franka.camera_process import CameraJob, CameraProcess
 from coral.contact.franka.object_poses import ObjectPoses
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracker import PoseEstimate
-from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration, write_camera_pose
 from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.scene.observation import BodyState
 from coral.errors import InputError, RunError
@@ -91,7 +90,8 @@ def test_a_tracker_that_fails_says_why(job, monkeypatch):
 def test_a_wrong_camera_is_one_line(job, tmp_path):
     with pytest.raises(InputError, match="--camera"):
         CameraProcess(dataclasses.replace(job, camera="kinect"), thread)
-    write_camera_pose(tmp_path / "camera.yaml", CameraCalibration(np.eye(4), {}), "test")
+    placed = "{format: coral-camera-pose/1, position_m: [0, 0, 0], quaternion: [1, 0, 0, 0]}"
+    (tmp_path / "camera.yaml").write_text(placed)
     with pytest.raises(InputError, match="did you mean 'colour'"):
         CameraProcess(dataclasses.replace(job, masks="color", camera_pose=tmp_path / "camera.yaml"), thread)
 

@@ -23,7 +23,7 @@ from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracked_world import nominal_pose
-from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
+from coral.contact.real_scenes.camera_pose_file import read_camera_pose
 from coral.contact.real_scenes.cameras.camera_registry import make_camera_by_name
 from coral.contact.real_scenes.cameras.drawn_camera import DrawnRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
@@ -49,7 +49,7 @@ class CameraJob:
     masks: str
     """What segments its pictures, as `--masks` takes it."""
     camera_pose: Path | None
-    """Where the camera stands, a file of `coral contact calibrate`."""
+    """File that says where the camera stands."""
     tracked: TrackedCfg
     """The tracker; of a simulated camera, its size, place and noise too."""
     poses_to: tuple[str, int]

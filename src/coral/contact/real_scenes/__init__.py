@@ -1,4 +1,4 @@
-"""Real scenes: cameras, masks, calibration, recordings, and how well a tracker follows known motions.
+"""Real scenes: cameras and where they stand, masks, tracking of their pictures.
 
 A wing. It needs `coral.ros` for bags, and its commands `coral.contact.franka` to send poses to an arm.
 """
