@@ -8,7 +8,6 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.recordings.autopilot_log import SUFFIXES, UNIX_S, read_log, tell_span
-from coral.reef.recordings.clock_offset import STEP_S, find_offset, shifts
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import Row, placed_pictures
 from coral.reef.recordings.recording import PosedFrame, Recording
@@ -41,8 +40,7 @@ def read_log_folder(
     """Read the pictures or the video beside a log, with the poses that it has for them, as `read_folder` does.
 
     The camera counts as being where the log's position is. Its height is that of a range finder in the log, otherwise
-    the camera's. `start_s` is the time of the log at which the first picture was taken (s); None: both clocks agree, or
-    the turns of a video tell it.
+    the camera's. `start_s` is the time of the log at which the first picture was taken (s); None: both clocks agree.
 
     Raises:
         InputError: Log or pictures cannot be read, their times have nothing in common, or the height is unknown.
@@ -55,21 +53,13 @@ def read_log_folder(
             where, "height above the sea floor", "no range finder", "altitude_m in the camera's file: the usual height"
         )
     unknown = start_s is None and not (pictures.is_universal and min(track.span[0], pictures.span[0]) >= UNIX_S)
-    apart = pictures.span[1] < track.span[0] or pictures.span[0] > track.span[1]
-    offset, fits = None, ""
-    if pictures.grey is not None and (unknown or (apart and start_s is None)):
-        offset = find_offset(shifts(pictures.grey(STEP_S)), track.attitude)
-        fits = "" if offset is None else f"{offset.best:.2f}, elsewhere up to {offset.next_best:.2f}, of 1"
-        if offset is not None and offset.is_clear:
-            start_s, unknown = offset.start_s, False
     shift = 0.0 if start_s is None else start_s - pictures.span[0]
     (first, last), (begin, end) = track.span, (pictures.span[0] + shift, pictures.span[1] + shift)
     if unknown or end < first or begin > last:
         raise InputError(
             where, "time",
             f"poses from {tell_span(first, last)}, pictures ({pictures.whose}) from {tell_span(begin, end)}"
-            + (", by clocks that cannot be compared" if unknown else "")
-            + (f", and turns of the picture that fit the log nowhere clearly ({fits})" if fits else ""),
+            + (", by clocks that cannot be compared" if unknown else ""),
             "--pictures-start-s T, the log's time of the first picture",
         )  # fmt: skip
     rows, omitted = list[Row](), set[float]()
@@ -91,11 +81,6 @@ def read_log_folder(
     clock = (
         f"{log.name}: first picture at {start:.1f} s of the log's clock, {start - first:.1f} s after its first position"
     )
-    if offset is not None and offset.is_clear:
-        clock += (
-            f"; estimated: the video begins at {offset.start_s:.1f} s, where its turns fit the log's best ({fits}); "
-            "--pictures-start-s T gives another time"
-        )
 
     def keyframes(_: TimedPictures = pictures) -> Iterator[PosedFrame]:  # a video's pictures are there as long as these
         return found.keyframes()

@@ -10,11 +10,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.errors import InputError
-from coral.foreign_file import read_bytes, read_head, read_taken
+from coral.foreign_file import read_head, read_taken
 from coral.limits import PICTURE_PIXELS, VIDEO_PICTURES, VIDEO_S
 from coral.reef.recordings.picture_folder import EXIF_BYTES, Row, read_rows
 
@@ -22,8 +19,6 @@ TIMES = "times.csv"
 PICTURES = (".jpg", ".jpeg", ".png", ".webp", ".tif", ".tiff")
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
 EXPECTED = f"a video, or pictures with {TIMES} (columns t, rgb), times in their names, or Exif"
-GREY, GREY_PICTURES = (72, 96), 36_000
-"""Height and width of small grey pictures (px), and how many are taken at most: two hours at 5 Hz."""
 _UNIX = re.compile(r"(?<![\d.])([1-9]\d{9})(\d{9}|\d{6}|\d{3})?(?!\d)(\.\d+(?=\.))?")
 _CALENDAR = re.compile(r"(20\d\d)\D?(\d\d)\D?(\d\d)\D?(\d\d)\D?(\d\d)\D?(\d\d)(\.\d{1,6}(?!\d))?(Z?)")
 _CREATED = re.compile(r"creation_time\s*: (\S+)")
@@ -46,8 +41,6 @@ class TimedPictures:
     """Whether the times may be compared with a log's; not those of an unknown time zone or from a video's beginning."""
     rows: Callable[[float, float, float], list[Row]]
     """Returns rows with t and rgb from a time, to a time, at least a period apart (s)."""
-    grey: Callable[[float], NDArray[np.uint8]] | None = None
-    """Returns small grey pictures from the beginning on, a period apart (s), Shape=(N, 72, 96); None if no video."""
 
 
 def find_pictures(folder: Path, size: tuple[int, int]) -> TimedPictures:
@@ -155,24 +148,8 @@ def _video(path: Path, size: tuple[int, int]) -> TimedPictures:
         after = [k * step + skipped for k in range(len(names))]
         return [(f"{t:.3f} s", {"t": begin + t}, {"rgb": str(name)}) for t, name in zip(after, names, strict=True)]
 
-    def grey(period_s: float) -> NDArray[np.uint8]:
-        raw = Path(tempfile.mkdtemp(dir=folder.name)) / "grey.raw"
-        said = _ffmpeg(
-            "-noautorotate", "-i", str(path), "-an", "-vf",
-            f"fps={1.0 / period_s:.9f}:start_time=0:round=up,scale={GREY[1]}:{GREY[0]},format=gray",
-            "-frames:v", str(GREY_PICTURES), "-f", "rawvideo", str(raw),
-        )  # fmt: skip
-        size = GREY[0] * GREY[1]
-        content = read_bytes(raw, "pictures", GREY_PICTURES * size) if raw.exists() else b""
-        if len(content) < size:
-            raise InputError(str(path), "pictures", said.strip().splitlines()[-1:], "a video that ffmpeg can decode")
-        raw.unlink()
-        return np.frombuffer(content, np.uint8)[: len(content) // size * size].reshape(-1, *GREY)
-
     whose = "creation time" if begin else "no creation time"
-    return TimedPictures(
-        path, (begin, begin + 3600 * hours + 60 * minutes + seconds), whose, begin > 0.0, between, grey
-    )
+    return TimedPictures(path, (begin, begin + 3600 * hours + 60 * minutes + seconds), whose, begin > 0.0, between)
 
 
 def _ffmpeg(*arguments: str) -> str:
