@@ -57,7 +57,7 @@ def main() -> None:
         run = Path(scratch) / "s1"
         flags = ["--cfg.simulator.pictures", "--quiet"]
         subprocess.run([CORAL, "reef", "run", "s1", *flags, "--out", str(run)], check=True)
-        subprocess.run([CORAL, "reef", "products", str(run), "--datum", "36.95,-122.02"], check=True)
+        subprocess.run([CORAL, "reef", "map", str(run), "--datum", "36.95,-122.02"], check=True)
         photograph(run / "products" / "products.html", IMAGES / "products.png")
         draw_mosaic(run / "products" / "orthomosaic.tif", IMAGES / "orthomosaic.png")
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -38,6 +39,58 @@ def test_a_run_its_mcap_file_and_its_bag_give_the_same_oysters(survey_run, tmp_p
         made.append((result["oyster_cells"], result["oyster_area_m2"], (tmp_path / str(k) / "cells.png").read_bytes()))
     assert made[0] == made[1] == made[2]
     assert made[0][0] > 200
+
+
+def test_products_of_a_run_are_written_beside_it_and_compared_with_the_truth(survey_run, told):
+    code, result, _ = told("reef", "map", survey_run, "--datum", "36.95,-122.02", "--json")
+    assert code == 0
+    assert abs(result["area_error"]) < 0.1
+    assert result["epsg"] == 32610
+    assert (survey_run / "products/products.html").is_file()
+    kept = json.loads((survey_run / "products/products.json").read_text())
+    assert "true_area_m2" not in kept  # the truth never enters the products
+
+
+@pytest.mark.slow
+def test_a_survey_in_real_water_has_no_truth_and_lies_where_its_survey_file_says(survey_run, tmp_path, told):
+    run = tmp_path / "run"
+    shutil.copytree(survey_run, run, ignore=shutil.ignore_patterns("products"))
+    start = "start: {x: 2, y: 2, theta: 0.5}\ndatum: [36.95, -122.02]\n"
+    (run / "world.yaml").write_text(f"name: pier\nsize_m: [9, 8]\n{start}geofence: [[0, 0], [9, 0], [9, 8]]\n")
+    code, result, _ = told("reef", "map", run, "--json")
+    assert (code, result["epsg"]) == (0, 32610)
+    assert "area_error" not in result
+
+
+def test_it_is_told_in_a_few_lines(survey_run, tmp_path, told):
+    code, out, _ = told("reef", "map", survey_run, "--out", tmp_path / "a")
+    assert code == 0
+    assert out.startswith("patch: oysters cover ")
+    assert "in truth oysters cover" in out
+    assert "60 oysters of 200 mm were in sight" in out
+    assert "told apart from above" in out or "too few lie apart" in out
+    assert "--datum LAT,LON gives the latitude" in out
+
+
+def test_bad_flags_are_one_line(survey_run, tmp_path, told):
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/mine.txt").write_text("mine")
+    for words, said in (
+        (("--datum", "north", "--out", tmp_path / "b"), "LAT,LON"), (("--out", tmp_path / "c"), "a new or empty folder")
+    ):  # fmt: skip
+        code, _, error = told("reef", "map", survey_run, *words)
+        assert (code, error.count("\n"), said in error) == (2, 1, True)
+
+
+def test_a_planted_link_leads_to_no_other_folder(survey_run, tmp_path, told):
+    run, private = tmp_path / "run", tmp_path / "private"
+    shutil.copytree(survey_run, run, ignore=shutil.ignore_patterns("products"))
+    private.mkdir()
+    (run / "products").symlink_to(private)
+    code, _, error = told("reef", "map", run)
+    assert (code, error.count("\n")) == (2, 1)
+    assert "products: found a link to another folder" in error
+    assert not any(private.iterdir())
 
 
 def test_what_is_no_recording_is_one_line(tmp_path, told):
@@ -164,6 +217,7 @@ def test_recordings_that_lie_are_one_line(colour_run, network, tmp_path, told):
         return error
 
     assert "--perception rgb" in refused()
+    assert "--out: found nothing" in told("reef", "map", tmp_path / "x", "--perception", network)[2]
     assert "recorded, rgb, painted or FILE.onnx (did you mean 'rgb'?)" in refused("--perception", "rbg")
     assert "--period-s" in refused("--period-s", "-1", "--perception", network)
     picture.unlink()

@@ -144,7 +144,7 @@ def test_a_survey_recorded_as_mcap_is_mapped_again(tmp_path):
     with vehicle(), recorder(dive), operator() as node, started(sail(*words, "--cfg.time-limit-s", "90")) as process:
         call(node, "start")
         assert process.wait(240.0) == 0
-    own = made("products", run, "--out", tmp_path / "own")
+    own = made("map", run, "--out", tmp_path / "own")
     topics = [word for name, (topic, _) in TOPICS.items() for word in (f"--topics.{name}", topic)]
     eyes = ("--perception", "painted", "--camera", camera)
     again = made("map", dive, *topics, *eyes, "--out", tmp_path / "again")
