@@ -153,8 +153,7 @@ WORD_NOTES = (
     "successes, over that of an oracle that knows what everything is. Spared, kept off: mean share of such "
     "conditions by which what was to be left alone was not seen from near, or was not passed too near.",
     "full with the rules visits everything; geometry knows the conditions, not kinds; keywords reads key words; "
-    "lawnmower follows lanes. reader, a control, understands the words and knows, in truth, what it has seen from "
-    "within 5 m or 60 % of the visibility.",
+    "lawnmower follows lanes.",
 )
 
 

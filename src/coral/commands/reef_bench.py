@@ -210,7 +210,7 @@ STUDY: dict[str, Any] = {
 }
 """Defaults of the flags with `--study`."""
 STUDY_IN_WORDS: dict[str, Any] = {
-    "variants": "full,geometry,keywords,lawnmower,random,reader,oracle",
+    "variants": "full,geometry,keywords,lawnmower,random,oracle",
     "worlds": "words:all:0-3,words:all:100-103",
     "presets": "clear,coast,bay",
     "out": Path("runs/words"),

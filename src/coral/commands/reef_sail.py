@@ -235,7 +235,7 @@ class ReefSail:
         if self.lens is not None and self.camera == "simulated":
             expected = "a real camera (--cfg.simulator.camera is the simulated)"
             raise InputError("--lens", "", "--camera simulated", expected)
-        if cfg.decider in ("sweep", "oracle", "reader"):
+        if cfg.decider in ("sweep", "oracle"):
             found = f"{cfg.decider}, which only a simulation has"
             raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:

@@ -16,7 +16,7 @@ from coral.reef.mission.variants import VARIANTS, apply_variant
 QUIET = MissionCfg(time_limit_s=4.0, latency="fixed:1", record=RecordCfg(pictures=False, frames=False))
 
 
-@pytest.mark.parametrize("variant", sorted(set(VARIANTS) - {"reader"}))
+@pytest.mark.parametrize("variant", sorted(VARIANTS))
 def test_every_variant_runs(pond, tmp_path, variant):
     cfg = apply_variant(variant, QUIET)
     assert Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", variant=variant).run()["steps"] == 40

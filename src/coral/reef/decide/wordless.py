@@ -95,16 +95,9 @@ def late(told: Fact, limit_s: float, home: bool) -> bool:
     return bool(told["at_s"] + way_s + MARGIN_S >= limit_s)
 
 
-def step_towards(facts: Fact, at: tuple[float, float], why: str, tries: int, way_share: float) -> MissionAnswer:
-    """Go by a waypoint towards a place (m forward, m left), after so many refusals by the next best one.
-
-    What counts is how far the waypoint is from the place, and `way_share` of the way to it.
-    """
-
-    def price(step: Fact) -> float:
-        return way_share * float(step["path_m"]) + math.dist((step["forward_m"], step["left_m"]), at)
-
-    ordered = sorted(facts["options"], key=price)
+def step_towards(facts: Fact, at: tuple[float, float], why: str, tries: int) -> MissionAnswer:
+    """Go by the waypoint nearest to a place (m forward, m left), after so many refusals by the next best one."""
+    ordered = sorted(facts["options"], key=lambda step: math.dist((step["forward_m"], step["left_m"]), at))
     if not ordered:
         return MissionAnswer(home=True, reason="no way on")
     best = ordered[min(tries, len(ordered) - 1)]
@@ -140,7 +133,7 @@ class Wordless:
             return self._end(facts, home_m)
         front = min(fronts, key=lambda f: f["path_m"])
         at = front["forward_m"], front["left_m"]
-        return step_towards(facts, at, "towards unexplored water", len(rejections), way_share=0.0)
+        return step_towards(facts, at, "towards unexplored water", len(rejections))
 
     def _towards(self, facts: Fact, dots: Sequence[Fact], home_m: float) -> MissionAnswer:
         orders = self.orders

@@ -14,7 +14,6 @@ from coral.advisor.consult import Attempt
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.question import Advisor
 from coral.advisor.rules import RuleAdvisor
-from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mission_planner import MissionPlanner
@@ -34,7 +33,6 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.robot import Robot
 from coral.reef.mission.tour import TourPilot, drive_lines, lanes
 from coral.reef.mission.word_oracle import word_tour
-from coral.reef.mission.word_reader import WordReader
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.sensing import Vehicle
@@ -128,12 +126,6 @@ def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | 
     """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
     if cfg.decider == "advisor":
         return advisor
-    if cfg.decider == "reader":
-        if world is None or world.mission is None:
-            raise InputError("--variant", "", "reader", "another one, or a world with a mission in words")
-        return RuleAdvisor(
-            {**REEF_RULES, "reef-mission": WordReader(world, cfg.simulator.noise.visibility_m)}, name=cfg.decider
-        )
     if cfg.decider in ("geometry", "keywords"):
         orders = BlindOrders.of_words(cfg.planner.instruction.text)
         if cfg.decider == "geometry" and world is not None and world.mission is not None:

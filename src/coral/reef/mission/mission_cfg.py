@@ -41,12 +41,11 @@ class MissionCfg:
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal[
-        "advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle", "geometry", "keywords", "reader"
+        "advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle", "geometry", "keywords"
     ] = "advisor"
     """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
     they follow lanes, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that know
-    the conditions but not the kinds, or read key words. reader: sees, in truth, the
-    kinds of what it has been near."""
+    the conditions but not the kinds, or read key words."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)

@@ -158,12 +158,6 @@ VARIANTS: dict[str, Variant] = {
         changes={"decider": "keywords"},
         alone=True,
     ),
-    "reader": Variant(
-        what="In a mission in words: a control that understands the words. It knows, in truth, what it has seen from "
-        "within 5 m, or 60 % of the visibility.",
-        changes={"decider": "reader"},
-        alone=True,
-    ),
 }
 
 
