@@ -61,7 +61,6 @@ NAMED = {
     "metrics-survey": ("key | what", "coral.reef.mission.metrics:DEFINITIONS"),
     "metrics-task": ("key | what", "coral.contact.episode.metrics:DEFINITIONS"),
     "variants-task": ("variant | what", "coral.contact.episode.variants:VARIANTS"),
-    "sweeps": ("key | what it changes", "coral.reef.mission.sweep:WHAT"),
     "ends-survey": ("reason | what", "reference_texts:SURVEY_ENDS"),
     "codes-policy": ("code | what", "reference_texts:POLICY_CODES"),
     "ends-task": ("reason | what", "coral.contact.episode.trial_log:END_REASONS"),

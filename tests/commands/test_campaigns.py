@@ -112,10 +112,10 @@ def test_tables_of_recorded_episodes_alone_need_a_campaign(store, tmp_path):
 
 
 def test_the_command_is_told_as_it_was_typed_without_what_changes_nothing():
-    words = ("--seeds", "0-4", "--jobs=8", "--sweep", "current=0,1", "--sweep", "visibility=3", "--quiet", "--out", "x")
+    words = ("--seeds", "0-4", "--jobs=8", "--sweep", "current=0,1", "--sweep", "driver=pd", "--quiet", "--out", "x")
     words += ("--inbox", "desk", "--cfg.no-stop-when-covered", "--cfg.time-limit-s", "60")
     assert ReefBench(typed=words)._command() == (
-        "coral reef bench --seeds 0-4 --sweep current=0,1 --sweep visibility=3 --cfg.time-limit-s 60 "
+        "coral reef bench --seeds 0-4 --sweep current=0,1 --sweep driver=pd --cfg.time-limit-s 60 "
         "--cfg.no-stop-when-covered"
     )
 

@@ -238,7 +238,7 @@ def swept(puddle, tmp_path_factory):
         "--sweep",
         "current=0.2",
         "--sweep",
-        "visibility=3,2",
+        "simulator.noise.visibility_m=3,2",
         "--out",
         str(out),
     ]
@@ -254,12 +254,12 @@ def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swep
     assert [row["setting"] for row in pq.read_table(out / "results.parquet").to_pylist()] == [
         "nominal",
         "current=0.2",
-        "visibility=3",
-        "visibility=2",
+        "simulator.noise.visibility_m=3",
+        "simulator.noise.visibility_m=2",
     ]
     assert [table["name"] for table in result["results"]][-2:] == ["Sweep", "Sweep, differences"]
     for form in ("md", "html"):
-        assert "--sweep current=0.2 --sweep visibility=3,2" in (out / f"tables.{form}").read_text()
+        assert "--sweep current=0.2 --sweep simulator.noise.visibility_m=3,2" in (out / f"tables.{form}").read_text()
 
 
 @pytest.mark.slow
@@ -276,7 +276,7 @@ def test_a_run_folder_holds_its_settings_resolved(swept):
 @pytest.mark.slow
 def test_a_sweep_is_taken_up_and_extended(swept, capsys):
     words, _, _ = swept
-    assert main([*words, "--sweep", "visibility=1"]) == 0
+    assert main([*words, "--sweep", "simulator.noise.visibility_m=1"]) == 0
     again = json.loads(capsys.readouterr().out)
     assert (again["found"], again["ran"]) == (4, 1)
 

@@ -95,8 +95,8 @@ class ReefBench(CampaignCommand):
     and hard water, each mission to its own end. words: missions in words, both halves, in three waters. Flags change
     these defaults."""
     sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
-    """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
-    pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
+    """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, the water's speed (m/s), or a key of
+    the configuration. If given several times, each key is swept separately."""
     fallback: Fallback | None = None
     """Fallback when an advisor does not decide: hold (the default: nothing else decides), fail (the mission ends),
     or rules, whose rows are marked."""

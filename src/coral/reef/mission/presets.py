@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from coral.errors import InputError, nearest
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.sweep import CURRENT, SHORT, apply_setting
+from coral.reef.mission.sweep import CURRENT, apply_setting
 from coral.reef.world.world import ReefWorld
 
 NOISE = "simulator.noise."
@@ -39,9 +39,20 @@ class Preset:
         return {condition.key: condition.value for condition in self.conditions}
 
 
-def _word(word: str, value: float, reason: str) -> tuple[Condition, ...]:
-    """Return the keys that a word of a sweep stands for, in its proportions."""
-    return tuple(Condition(key, round(factor * value, 6), reason) for key, factor in SHORT[word].items())
+def _mask_errors(missed: float, reason: str) -> list[Condition]:
+    """Return that a share of patches is missed; of ten pixels of sea floor there is hardly one of an oyster."""
+    false = round(0.1 * missed, 6)
+    shares = {"oyster_missed": missed, "obstacle_missed": missed, "oyster_false": false, "obstacle_false": false}
+    return [Condition(f"{NOISE}{key}", share, reason) for key, share in shares.items()]
+
+
+def _drift(drift_xy: float, reason: str) -> list[Condition]:
+    """Return a drift (m/√s) that the robot knows, as a data sheet says, with 0.1 rad of heading for each metre.
+
+    A heading error of that size adds about as much over the 10 m between two places.
+    """
+    drifts = {"drift_xy": drift_xy, "drift_theta": round(0.1 * drift_xy, 6)}
+    return [Condition(f"{of}{key}", d, reason) for of in (NOISE, "localization.") for key, d in drifts.items()]
 
 
 def _small_water() -> tuple[Condition, ...]:
@@ -72,9 +83,9 @@ PRESETS: dict[str, Preset] = {
                 11.0,
                 "Jerlov 1C: beyond what is told apart at any distance in `clear`, but with colours lost",
             ),
-            *_word("mask_errors", 0.02, "less than half of `bay`: 2 % missed, 0.2 % false"),
+            *_mask_errors(0.02, "less than half of `bay`: 2 % missed, 0.2 % false"),
             Condition(f"{NOISE}depth_sigma", 0.01, "half of `bay`"),
-            *_word("pose_drift", 0.01, "half of `bay`: 0.3 m after ten minutes on average"),
+            *_drift(0.01, "half of `bay`: 0.3 m after ten minutes on average"),
             Condition(CURRENT, 0.1, "as in `bay`: what is hard here is to see, not to drive"),
         ),
     ),
@@ -84,10 +95,9 @@ PRESETS: dict[str, Preset] = {
             Condition(
                 f"{NOISE}visibility_m", 4.5, "between the 6 m of the paper's sensing range and the 3 m of `hard`"
             ),
-            *_word("mask_errors", 0.05, "half of `hard`: 5 % missed, 0.5 % false"),
+            *_mask_errors(0.05, "half of `hard`: 5 % missed, 0.5 % false"),
             Condition(f"{NOISE}depth_sigma", 0.02, "0.02 m at 1 m: smaller than the map's cells of 0.05 m up to 2.5 m"),
-            *_word(
-                "pose_drift",
+            *_drift(
                 0.02,
                 "0.6 m after ten minutes on average: less than d_merge (1 m), so tracks stay apart",
             ),
@@ -102,14 +112,12 @@ PRESETS: dict[str, Preset] = {
                 3.0,
                 "half of the paper's sensing range, and as near as `visited` means by default",
             ),
-            *_word(
-                "mask_errors",
+            *_mask_errors(
                 0.1,
                 "10 % of the patches missed, and 1 % of the sea floor taken for oysters or obstacles each",
             ),
             Condition(f"{NOISE}depth_sigma", 0.03, "0.09 m at the limit of visibility: two cells"),
-            *_word(
-                "pose_drift",
+            *_drift(
                 0.06,
                 "1.8 m after ten minutes on average: more than d_merge, so that it has to be corrected",
             ),
