@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from coral.commands.sail_conduct import beside_keyboard, conduct, signals_as_words
+from coral.commands.sail_conduct import conduct, signals_as_words
 from coral.errors import RunError
 from coral.reef.sea.operator import OperatorWords
 
@@ -30,9 +30,3 @@ def test_a_failure_of_the_control_loop_is_told():
 
     with pytest.raises(RunError, match="ValueError: no way"):
         conduct(Broken(), [], OperatorWords())
-
-
-def test_the_operator_s_words_reach_what_runs_beside_the_keyboard():
-    words = OperatorWords()
-    words.say("hold", "page")
-    assert beside_keyboard(words.take, words) == [("hold", "page")]

@@ -85,7 +85,8 @@ class ReefSail:
     start: tuple[float, float, float] | None = None
     """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default the file's start."""
     response: Path | None = None
-    """File of `coral reef identify`: how this vehicle follows its set-points; by default, like the simulated one."""
+    """File with the keys of how this vehicle follows its set-points (`surge_lag_s` and so on); by default like the
+    simulated one."""
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be about where
     `--start` says, by default at the area's start again: it finds its place by the obstacles that it sees again."""

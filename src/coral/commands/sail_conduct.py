@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
-from typing import Any, TypeVar
+from typing import Any
 
 from coral.commands.keyboard import Keyboard
 from coral.errors import RunError
@@ -17,7 +17,6 @@ from coral.reef.sea.real_time import describe_priority, prefer_thread
 from coral.reef.sea.sea_mission import SeaMission
 from coral.run_loop import Observer
 
-T = TypeVar("T")
 STOP_S = 5.0
 """Time for the work to end when the keyboard fails."""
 
@@ -25,46 +24,35 @@ STOP_S = 5.0
 def conduct(
     mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
 ) -> dict[str, Any]:
-    """Run the control loop beside the keyboard.
+    """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt it.
 
     With `first`, its thread goes before all ordinary programs, where the system allows it.
 
     Raises:
         RunError: The loop failed; the vehicle was told to hold.
     """
-
-    def control() -> dict[str, Any]:
-        allowed = describe_priority(first, first and prefer_thread())
-        return {**mission.run(observers), "priority": allowed}
-
-    try:
-        return beside_keyboard(control, words, mission.instructing)
-    except Exception as error:
-        raise RunError(f"the survey failed: {type(error).__name__}: {error}") from error
-
-
-def beside_keyboard(
-    work: Callable[[], T], words: OperatorWords, instruct: Callable[[str, str], bool] | None = None
-) -> T:
-    """Return what work on a thread of its own returns; keyboard and signals stay here and never interrupt it."""
-    done: Future[T] = Future()
+    done: Future[dict[str, Any]] = Future()
 
     def control() -> None:
         try:
-            done.set_result(work())
+            allowed = describe_priority(first, first and prefer_thread())
+            done.set_result({**mission.run(observers), "priority": allowed})
         except BaseException as error:
             done.set_exception(error)
 
     thread = threading.Thread(target=control, name="coral-control", daemon=True)
-    with signals_as_words(words):
-        thread.start()
-        try:
-            Keyboard(words, instruct=instruct).listen(done.done)
-        except BaseException:
-            words.say("stop", "failure")  # nothing may command the vehicle after the caller's own last order
-            thread.join(STOP_S)
-            raise
-    return done.result()
+    try:
+        with signals_as_words(words):
+            thread.start()
+            try:
+                Keyboard(words, instruct=mission.instructing).listen(done.done)
+            except BaseException:
+                words.say("stop", "failure")  # nothing may command the vehicle after the program has ended
+                thread.join(STOP_S)
+                raise
+        return done.result()
+    except Exception as error:
+        raise RunError(f"the survey failed: {type(error).__name__}: {error}") from error
 
 
 @contextmanager

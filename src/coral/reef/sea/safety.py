@@ -85,7 +85,7 @@ class SailCfg:
     depth_m: Positive = 1.0
     """Depth to hold."""
     response: VehicleResponse | None = None
-    """How the vehicle follows its set-points, as `coral reef identify` measured it; None: as the simulated one does."""
+    """How the vehicle follows its set-points; None: as the simulated one does."""
 
 
 @dataclass(frozen=True)

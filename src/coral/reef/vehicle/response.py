@@ -23,7 +23,7 @@ class Trailing(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleResponse:
-    """How speed and yaw rate follow what is asked for. `coral reef identify` measures these numbers.
+    """How speed and yaw rate follow what is asked for: the file of `coral reef sail --response`.
 
     A share `trail` of the wanted velocity is followed slowly, in a frame that does not turn with the vehicle; the rest
     at once, but for a lag: body velocity' = ((1 - trail) wanted + trailing - velocity) / lag, and
