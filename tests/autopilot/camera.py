@@ -30,7 +30,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import PRESETS, apply_preset
 from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSonar
 from coral.reef.rehearsal.truth import follow_truth
-from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.record import ReefTruth
 from coral.reef.sea.sonar_packets import encode_packet
 from coral.reef.sea.transport import parse_address

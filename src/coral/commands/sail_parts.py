@@ -27,9 +27,9 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.latest_reading import LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
-from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
 from coral.reef.sea.safety import SailCfg

@@ -89,7 +89,7 @@ def read(tmp_path, text, name="lens.yaml"):
 
 def test_what_opencv_writes_as_yaml_xml_or_json_is_the_same_camera(tmp_path):
     assert read(tmp_path, YAML) == read(tmp_path, XML, "lens.xml") == FOUND
-    assert read(tmp_path, json.dumps({**OPENCV, "pitch_down_deg": 30}, indent="\t"), "lens.json") == FOUND
+    assert read(tmp_path, json.dumps({**OPENCV, "pitch_down_deg": 30}, indent=4), "lens.json") == FOUND
 
 
 def test_what_opencv_itself_wrote_is_read(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from coral.reef.mission.record import COLUMNS, PicturePose, RecordCfg
-from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.record import OWN_COLUMNS, ReefTruth, SeaRecord
 from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.survey_file import Origin, SurveyArea

@@ -12,7 +12,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from coral.errors import InputError, first_line
-from coral.foreign_file import parse_json, read_text
+from coral.foreign_file import read_text
 from coral.yaml_file import load_mapping
 
 MODELS = {"radtan": "plumb_bob", "equi": "equidistant", "fisheye": "equidistant", "none": "plumb_bob"}
@@ -20,7 +20,7 @@ MODELS = {"radtan": "plumb_bob", "equi": "equidistant", "fisheye": "equidistant"
 MOUNT = ("pitch_down_deg", "altitude_m", "range_m", "near_m")
 """Keys of a camera file that no calibration has: they may be added to it, at its top level."""
 _OPENCV_YAML = re.compile(r"\A%YAML[: ][0-9.]+")
-"""OpenCV's first line, which is none of YAML."""
+"""OpenCV's first line, which is none of YAML; its JSON is YAML as it stands."""
 
 
 def read_calibration(path: Path) -> dict[str, Any]:
@@ -33,13 +33,6 @@ def read_calibration(path: Path) -> dict[str, Any]:
     text = read_text(path, "a camera file or a calibration")
     if text.lstrip().startswith("<"):
         return own_keys(_of_xml(text, where), where)
-    if text.lstrip().startswith("{"):
-        try:
-            content = parse_json(text)
-        except ValueError:
-            content = None  # YAML may begin with a brace, too
-        if isinstance(content, dict):
-            return own_keys(content, where)
     text = _OPENCV_YAML.sub("", text).replace("!!opencv-matrix", "")
     return own_keys(load_mapping(text, where), where)
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
-from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.sensing import Attitude, HeardImage, Stamped, VehicleObservation

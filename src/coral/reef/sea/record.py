@@ -20,7 +20,7 @@ from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.judge import MissionJudge
 from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
 from coral.reef.sea.background import BackgroundWork
-from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.saved_survey import save_survey
 from coral.reef.sea.survey_file import SurveyArea

@@ -28,10 +28,10 @@ from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
-from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_idle, prompt_threads
