@@ -71,7 +71,7 @@ class ReefSail:
     sonar: str = "none"
     """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
     (udp:ADDRESS:PORT with this computer's address on the sonar's network). ros2:TOPIC: a cloud of
-    points or a depth picture."""
+    points."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"

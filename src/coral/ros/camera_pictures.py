@@ -1,4 +1,4 @@
-"""Pictures of cameras: PNG and JPEG as bytes, and sensor_msgs/Image and sensor_msgs/CompressedImage of ROS."""
+"""What cameras send over ROS: sensor_msgs/Image, CompressedImage and the lens in CameraInfo; PNG and JPEG as bytes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.foreign_file import decode_picture
+from coral.lens import Lens
 
 _PLAIN: dict[str, tuple[str, int]] = {
     "mono8": ("u1", 1), "8UC1": ("u1", 1), "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1),
@@ -35,6 +36,9 @@ VIDEO = ("h264", "h265", "hevc", "av1", "vp8", "vp9", "mpeg4")
 
 COLOUR = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
 """Pixels as they lie in the file: a camera that looks down tells any orientation, and calibrations are of pixels."""
+
+_MODELS = {"": "plumb_bob", "fisheye": "equidistant"}
+"""Models by other names than those of sensor_msgs/distortion_models.hpp."""
 
 
 def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED) -> NDArray[Any]:
@@ -93,6 +97,31 @@ def values_in(message: Any, where: str, field: str) -> NDArray[Any]:
     inverse = image.astype(np.float64) - b
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((image > 0) & (inverse > 0.0), a / inverse, np.nan).astype(np.float32)
+
+
+def lens_of(message: Any, topic: str) -> Lens:
+    """Return the lens for pictures of this topic as it is stated, unchecked; fx is 0 where nobody has calibrated it.
+
+    K and D are of pictures as taken, P of those that image_proc has rectified. A binned picture, or one of a part of
+    the sensor, has its own size and principal point. ROS 1 writes the matrices with capitals.
+    """
+    k, d, p = (getattr(message, name if hasattr(message, name) else name.upper()) for name in "kdp")
+    rectified = "rect" in topic.replace("/", "_").split("_")
+    fx, fy, cx, cy = (float(k[one]) for one in (0, 4, 2, 5))
+    if rectified and float(p[0]) > 0.0:
+        fx, fy, cx, cy = (float(p[one]) for one in (0, 5, 2, 6))
+    part, across, down = message.roi, max(int(message.binning_x), 1), max(int(message.binning_y), 1)
+    model: Any = message.distortion_model
+    return Lens(
+        width=(int(part.width) or int(message.width)) // across,
+        height=(int(part.height) or int(message.height)) // down,
+        fx=fx / across,
+        fy=fy / down,
+        cx=(cx - int(part.x_offset) + 0.5) / across - 0.5,
+        cy=(cy - int(part.y_offset) + 0.5) / down - 0.5,
+        model="plumb_bob" if rectified else _MODELS.get(model, model),
+        distortion=() if rectified else tuple(float(each) for each in d),
+    )
 
 
 def _plain(message: Any, where: str) -> NDArray[Any]:

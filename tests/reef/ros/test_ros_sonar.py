@@ -7,7 +7,7 @@ from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.ros import heard_tree, ros_sonar
-from reef.ros.fake_ros import FakeNode, fake_type, info, message, mounted
+from reef.ros.fake_ros import FakeNode, fake_type, message, mounted
 
 LEVEL = SonarCfg(pitch_down_deg=0.0)
 AHEAD = (LEVEL.height // 2, LEVEL.width // 2)
@@ -72,32 +72,6 @@ def test_ranges_are_told_from_the_vehicle_and_the_tilt_that_the_map_reckons_with
     assert abs(column - AHEAD[1]) <= 1
 
 
-def test_a_depth_picture_is_turned_into_ranges():
-    heard, node = sonar("sensor_msgs/msg/Image")
-    depths = np.full((4, 8), 2000, "<u2")
-    picture = message(
-        header={"stamp": 5.0, "frame_id": "optical"},
-        height=4,
-        width=8,
-        step=16,
-        encoding="16UC1",
-        is_bigendian=0,
-        data=depths.view(np.uint8).ravel(),
-    )
-    node.heard["/ranges"](picture)
-    with pytest.raises(UnfitMeasurement, match="camera_info"):
-        heard.read()
-    node.heard["/camera_info"](
-        info(k=[16.0, 0.0, 8.5, 0.0, 16.0, 4.5, 0.0, 0.0, 1.0], width=16, binning_x=2, binning_y=2)
-    )
-    # REP-103: z of an optical frame is forward, x is right.
-    node.heard["/tf_static"](mounted("base_link", "optical", turn=(-0.5, 0.5, -0.5, 0.5)))
-    node.heard["/ranges"](picture)
-    ranges = heard.read().value.ranges
-    assert np.isfinite(ranges).sum() == 32
-    assert ranges.min() == pytest.approx(2.0, abs=1e-3)
-
-
 def test_a_sensor_in_an_unknown_place_is_told():
     heard, node = sonar()
     node.heard["/ranges"](cloud((3.0, 0.0, 0.0), frame="head"))
@@ -126,7 +100,8 @@ def test_a_transform_without_a_rotation_changes_nothing():
 
 
 @pytest.mark.parametrize(
-    ("kinds", "told"), [([], "nobody publishes /ranges"), (["std_msgs/msg/String"], "std_msgs/msg/String on /ranges")]
+    ("kinds", "told"),
+    [([], "nobody publishes /ranges"), (["std_msgs/msg/String"], "std_msgs/msg/String on /ranges")],
 )
 def test_a_topic_without_ranges_is_one_line(kinds, told):
     node = Publishing("")

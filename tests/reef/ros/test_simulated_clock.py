@@ -9,11 +9,10 @@ import pytest
 
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.ros import ros_sonar
-from coral.reef.ros.newest import OLD_S
 from coral.reef.ros.ros_camera import RosCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.sensing import Stamped
-from coral.ros.ros_node import RosNode
+from coral.ros.ros_node import OLD_S, RosNode
 
 pytestmark = pytest.mark.ros2
 BEGUN = 100.0

@@ -87,7 +87,6 @@ def transform(parent="", child="", stamp=0.0):
 
 @pytest.fixture
 def types(monkeypatch):
-    monkeypatch.setattr(survey_topics, "LISTEN_S", 0.0)
     stamped = "TransformStamped"
     monkeypatch.setattr(
         survey_topics, "ros_type", lambda name: transform if name.endswith(stamped) else fake_type(name)
@@ -107,30 +106,6 @@ def test_what_is_sent_says_where_the_odometry_is_in_the_map(types):
     assert (found.transform.translation.x, found.transform.translation.y) == (3.0, 4.0)
     assert (found.transform.rotation.z, found.transform.rotation.w) == (0.0, 1.0)
     assert made.told == "map -> odom"
-
-
-def test_our_own_transform_comes_back_and_is_nobody_elses(types):
-    node = FakeNode(stamp_s=7.0)
-    made = MapTransform(node)
-    for _ in range(3):
-        made.publish("odom", Pose(0.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
-        node.heard["/tf"](message(transforms=[]))
-        node.heard["/tf"](node.sent[-1][1])
-    assert len(sent(node)) == 3
-
-
-@pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
-@pytest.mark.parametrize("parent", ["map", "/world"])
-def test_who_tells_it_already_has_precedence(types, topic, parent):
-    node = FakeNode(stamp_s=7.0)
-    made = MapTransform(node)
-    made.publish("odom", Pose(0.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
-    told = message(transforms=[])
-    told.transforms = [transform("odom", "base_link", 3.0), transform(parent, "/odom", 3.0)]
-    node.heard[topic](told)
-    made.publish("odom", Pose(0.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
-    assert len(sent(node)) == 1
-    assert made.told == f"by another node: {parent.lstrip('/')} -> odom"
 
 
 @pytest.mark.parametrize("frame", ["", "map"])

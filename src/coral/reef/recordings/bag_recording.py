@@ -27,8 +27,7 @@ from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.ros.bag_reader import Bag, stamp_of
-from coral.ros.camera_lens import lens_of
-from coral.ros.camera_pictures import colours_in, values_in
+from coral.ros.camera_pictures import colours_in, lens_of, values_in
 
 UPRIGHT = 0.5
 """Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""

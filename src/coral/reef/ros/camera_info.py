@@ -16,7 +16,7 @@ from coral.reef.ros.heard_tree import HeardTree
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.video_camera import WIDEST_PX
 from coral.reef.vehicle.camera import CameraCfg
-from coral.ros.camera_lens import lens_of
+from coral.ros.camera_pictures import lens_of
 from coral.ros.ros_node import RosNode, beside, ros_type
 
 FIRST_S, ALONE_S, LOOK_S = 10.0, 2.0, 0.2

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.ros.camera_info import camera_of, info_topic
-from coral.reef.ros.newest import Newest
 from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg
 from coral.ros.camera_pictures import colours_in
-from coral.ros.ros_node import RosNode, ros_type
+from coral.ros.ros_node import Newest, RosNode, ros_type
 
 FIRST_S, NEXT_S = 10.0, 1.0
 """Longest wait for the first picture, and for any other at a time."""

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from coral.advisor.log import plain_json
 from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
-from coral.reef.recordings.frame_tree import MAP, frame_name
+from coral.reef.recordings.frame_tree import MAP
 from coral.reef.ros.ros_link import RosLink
-from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.operator import WORDS, OperatorWords
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.world.geometry import Pose
@@ -30,8 +30,6 @@ PERIOD_S = 1.0
 START = {"arm": "start"}
 """The services are called as the operator's words, but for this one: `start` begins the survey."""
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
-LISTEN_S = 2.0
-"""Others are listened for this long before anything is sent."""
 
 
 def grid_values(cells: NDArray[np.uint8]) -> NDArray[np.int8]:
@@ -200,19 +198,12 @@ class SurveyTopics:
 
 
 class MapTransform:
-    """Sends the transform from `map` to the frame of the odometry, with what the localizer corrected.
-
-    Another node that tells where this frame is has precedence, and so has the parameter `publish_tf: false`.
-    """
+    """Sends the transform from `map` to the frame of the odometry, unless the parameter `publish_tf` is false."""
 
     def __init__(self, ros: RosNode) -> None:
         self.told = "not yet"
-        """Who sends it, or why nobody does here."""
-        self._ros, self._begun_s = ros, time.monotonic()
-        self._others: dict[str, str] = {}
-        """Parents of frames, as other nodes tell them."""
-        self._sent: tuple[Any, ...] = ()
-        """Stamps of what was sent last: it is heard, too."""
+        """What is sent, or why nothing is."""
+        self._ros = ros
         if ros.parameter("publish_tf", "true").lower() == "false":
             self.told = "off: publish_tf"
             return
@@ -223,18 +214,13 @@ class MapTransform:
             return
         self._stamped = ros_type("geometry_msgs.msg.TransformStamped")
         self._publisher = ros.node.create_publisher(self._message, "/tf", 10)
-        ros.node.create_subscription(self._message, "/tf", self._hear, 100)
-        ros.node.create_subscription(self._message, "/tf_static", self._hear, ros.qos("latched"))
 
     def publish(self, frame: str, odometry: Pose, pose: Pose) -> None:
         """Send the transform, by one pose in the odometry's frame and in the map."""
-        if self.told.startswith("off") or time.monotonic() - self._begun_s < LISTEN_S:
+        if self.told.startswith("off"):
             return
         if frame in ("", MAP):
             self.told = f"not needed: the odometry is in {frame!r}"
-            return
-        if frame in self._others:
-            self.told = f"by another node: {self._others[frame]} -> {frame}"
             return
         at, message = LocalFrame.from_start(odometry, pose, trust_heading=False), self._stamped()
         message.header.stamp = self._ros.stamp()
@@ -242,12 +228,5 @@ class MapTransform:
         message.transform.translation.x, message.transform.translation.y = float(at.x), float(at.y)
         message.transform.rotation.z = math.sin(at.turn / 2.0)
         message.transform.rotation.w = math.cos(at.turn / 2.0)
-        self._sent = (*self._sent[-49:], message.header.stamp)
         self._publisher.publish(self._message(transforms=[message]))
         self.told = f"{MAP} -> {frame}"
-
-    def _hear(self, message: Any) -> None:
-        for each in message.transforms:
-            parent = frame_name(str(each.header.frame_id))
-            if parent != MAP or each.header.stamp not in self._sent:
-                self._others[frame_name(str(each.child_frame_id))] = parent

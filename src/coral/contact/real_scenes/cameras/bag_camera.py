@@ -16,8 +16,7 @@ from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
 from coral.lens import check_lens
 from coral.ros.bag_reader import Bag, stamp_of
-from coral.ros.camera_lens import lens_of
-from coral.ros.camera_pictures import colours_in, values_in
+from coral.ros.camera_pictures import colours_in, lens_of, values_in
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
