@@ -56,7 +56,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.contact.libero.object_model import read_model
     from coral.contact.memory.memory import Memory
     from coral.contact.real_scenes.masks.colour_masks import read_colours
-    from coral.foreign_file import decode_picture, read_arrays, read_json, read_log_lines
+    from coral.foreign_file import decode_picture, read_arrays, read_log_lines
     from coral.onnx_file import open_onnx
     from coral.reef.map.belief import BeliefCfg
     from coral.reef.map.mapping import MapCfg
@@ -79,10 +79,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     def remembered(path: Path) -> object:
         return Memory(path).all()
 
-    def imported(path: Path) -> object:
-        content = read_json(path, "an exported memory")
-        return Memory(path.parent / "new.sqlite").load(content, str(path)) if isinstance(content, dict) else None
-
     return {
         "log": (lambda path: list(read_log_lines(path)), (event,), refused, ".jsonl"),
         "arrays": (read_arrays, (an_archive(),), (ValueError,), ".npz"),
@@ -90,7 +86,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         "picture": (lambda path: decode_picture(path.read_bytes()), pictures, (ValueError,), ""),
         "network": (open_onnx, ((home / "reef/eyes/weights/reef_net.onnx").read_bytes()[:KEPT],), refused, ".onnx"),
         "memory": (remembered, (a_memory(),), refused, ".sqlite"),
-        "exported memory": (imported, (b'{"format": "coral-memory/1", "experiences": [{}]}',), refused, ".json"),
         "colours": (read_colours, (COLOURS,), refused, ".yaml"),
         "object model": (read_model, (MODEL,), refused, ".xml"),
         "poses of a tracker": (lambda path: parse_poses(path.read_bytes()), (poses,), (), ""),

@@ -59,7 +59,7 @@ def test_the_overview_lists_every_command_and_that_of_a_group_only_its_own(capsy
     assert all(f"  coral {name} " in listed for name in COMMANDS)
     assert main(["memory", "--help"]) == 0
     names = [line.split()[1:3] for line in capsys.readouterr().out.splitlines() if line.startswith("  coral ")]
-    assert names == [["memory", word] for word in ("list", "show", "forget", "export", "import")]
+    assert names == [["memory", word] for word in ("list", "show", "forget")]
 
 
 @pytest.mark.parametrize(

@@ -39,8 +39,6 @@ COMMANDS = {
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),
-    "memory export": ("coral.commands.memory:MemoryExport", "write them into a JSON file"),
-    "memory import": ("coral.commands.memory:MemoryImport", "import an exported file"),
     "export": ("coral.commands.export:Export", "write a reef run as a ROS 2 bag, an MCAP file or pictures"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.replay:Report", "write report.html (and the video) of a run folder again"),

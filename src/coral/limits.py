@@ -12,7 +12,7 @@ YAML_VALUES = 500_000
 YAML_DEPTH = 50
 """Nesting in YAML. PyYAML's C parser is recursive: 15 000 levels end the process by a signal."""
 JSON_BYTES = 100_000_000
-"""Of a JSON file: an exported memory of ten thousand experiences."""
+"""Of a JSON file: the answers recorded for hundreds of long missions."""
 JSON_DEPTH = 60
 """Nesting in JSON. Python's own functions on values fail at some hundreds."""
 TABLE_BYTES = 100_000_000

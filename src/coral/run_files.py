@@ -65,5 +65,5 @@ class TaskFiles(RunFiles):
     """The episode as a video (`--video`)."""
     SEEN: Final = "seen.png"
     """The first pictures that a served policy was sent."""
-    REMEMBERED: Final = "remembered.json"
-    """In a bench with a memory: the success, as it goes into the memory."""
+    REMEMBERED: Final = "remembered.sqlite"
+    """In a bench with a memory: a memory of the success alone."""

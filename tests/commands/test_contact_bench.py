@@ -5,7 +5,7 @@ import pytest
 from contact_bench import changed
 
 from coral.cli import main
-from coral.commands.contact_bench import ContactBench, named_tasks, read_memory
+from coral.commands.contact_bench import ContactBench, named_tasks
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.tasks import load_task
 from coral.errors import InputError
@@ -142,21 +142,8 @@ def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(t
     assert (decided["variant"], decided["by advisor"]) == ("CoRAL (full) §", "0 (0 %)")
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (b"", "broken JSON"),
-        (b"{}", "--memory"),
-        (b"nothing", "broken JSON"),
-        (b'{"format": "coral-memory/1"}', "format"),
-        (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
-        (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences"),
-    ],
-)
-def test_what_is_no_memory_is_refused(tmp_path, content, said):
+def test_what_is_no_memory_is_refused(refused, tmp_path):
     path = tmp_path / "memory.json"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=said):
-        read_memory(path)
-    with pytest.raises(InputError, match="absent"):
-        read_memory(tmp_path / "absent.json")
+    path.write_text('{"experiences": []}')
+    assert "an SQLite file of experiences" in refused("contact", "bench", "--memory", path, "--out", tmp_path / "out")
+    assert "no such file" in refused("contact", "bench", "--memory", tmp_path / "absent", "--out", tmp_path / "out")

@@ -1,12 +1,9 @@
 import pytest
 
-from coral.commands.contact_bench import read_memory
-from coral.commands.memory import MemoryImport
 from coral.contact.memory.memory import Experience, Memory
 from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.errors import InputError
 
 
 def experience(**provenance):
@@ -65,20 +62,6 @@ def test_provenance_that_says_little_or_too_much_is_listed_all_the_same(told, me
     assert any("seed None" in line for line in lines)
 
 
-def test_an_export_is_imported_once_and_never_overwrites(told, refused, memory, place, tmp_path):
-    file = tmp_path / "e.json"
-    assert told("memory", "export", file, "--file", memory.where) == (0, f"{file}: 1 experience\n", "")
-    before = file.read_bytes()
-    assert "a new file that can be written" in refused("memory", "export", file, "--file", memory.where)
-    assert file.read_bytes() == before
-    for added in (1, 0):
-        assert told("memory", "import", file, "--file", place("new"), "--json")[1] == {
-            "file": place("new"),
-            "added": added,
-        }
-    assert [one["numbers"] for one in read_memory(place("new"))["experiences"]] == [{"box.mass_kg": 0.2}]
-
-
 def test_one_that_is_forgotten_is_gone_and_one_that_is_not_there_is_named(told, refused, memory):
     (number,) = [stored.id for stored in memory.all()]
     assert "99" in refused("memory", "forget", 99, "--file", memory.where)
@@ -86,25 +69,8 @@ def test_one_that_is_forgotten_is_gone_and_one_that_is_not_there_is_named(told, 
     assert told("memory", "list", "--file", memory.where)[1] == f"{memory.where}: nothing is remembered\n"
 
 
-@pytest.mark.parametrize("words", [("list",), ("show", "1"), ("forget", "1"), ("export", "{new}")])
+@pytest.mark.parametrize("words", [("list",), ("show", "1"), ("forget", "1")])
 def test_a_memory_that_is_not_there_is_not_made(refused, place, tmp_path, words):
-    new = tmp_path / "new.json"
-    error = refused("memory", *(word.format(new=new) for word in words), "--file", place("none"))
+    error = refused("memory", *words, "--file", place("none"))
     assert "found no such" in error
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(InputError, match="a memory, or an export"):
-        read_memory(place("none"))
-
-
-@pytest.mark.parametrize("text", ["", "[1]", "{", '{"format": "other"}'])
-def test_what_is_no_export_is_refused(refused, tmp_path, text):
-    (tmp_path / "e.json").write_text(text)
-    assert "e.json" in refused("memory", "import", tmp_path / "e.json", "--file", tmp_path / "m.sqlite")
-
-
-@pytest.mark.parametrize("depth", [900, 200_000])
-def test_deeply_nested_experiences_are_one_line(depth, tmp_path):
-    one = experience(deep=0).model_dump_json().replace('"deep":0', f'"deep":{"[" * depth + "]" * depth}')
-    (tmp_path / "deep.json").write_text(f'{{"format": "coral-memory/1", "experiences": [{one}]}}')
-    with pytest.raises(InputError, match=r"deep\.json"):
-        MemoryImport(source=tmp_path / "deep.json", file=str(tmp_path / "m.sqlite"))()

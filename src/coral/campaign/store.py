@@ -193,5 +193,5 @@ class CampaignFiles:
     """One record per failed episode, with its message and traceback."""
     MANIFEST: Final = "manifest.json"
     """Every episode ever asked for, the commands, and what must be equal: code, configuration, worlds."""
-    MEMORY: Final = "memory.json"
+    MEMORY: Final = "memory.sqlite"
     """Of tasks: the successes of `full`, for `--memory`."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json as json_text
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,7 +33,7 @@ from coral.contact.episode.variants import (
     contact_model,
     make_strategist,
 )
-from coral.contact.memory.memory import FORMAT, Memory
+from coral.contact.memory.memory import Experience, Memory, open_existing
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
@@ -46,9 +44,8 @@ from coral.contact.thinker.think_cfg import StandIn
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
-from coral.file_writer import write_whole
 from coral.flags import Option
-from coral.foreign_file import read_bytes, read_json, regular_bytes
+from coral.foreign_file import read_bytes
 from coral.limits import MESH_BYTES
 from coral.run_files import TaskFiles
 
@@ -61,7 +58,7 @@ class ContactEpisode:
     model: ModelCfg
     tasks: Mapping[str, Task]
     policies: Mapping[str, Address] = field(default_factory=dict)
-    memory: Mapping[str, Any] | None = None
+    memory: Sequence[Experience] = ()
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
@@ -112,8 +109,8 @@ class ContactBench(CampaignCommand):
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[str | None, Option(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")] = None
     memory: str | None = None
-    """Initial memory of variants with memory: a memory (an SQLite file), or an export of one
-    (such as the memory.json of a campaign). Every trial has its own copy. By default it is empty."""
+    """Initial memory of variants with memory: an SQLite file, such as the memory.sqlite of a campaign. Every trial has
+    its own copy. By default it is empty."""
     samples: int | None = None
     """Rollouts per plan, instead of the configuration's; the variant paper has 200."""
     fallback: StandIn | None = None
@@ -142,7 +139,8 @@ class ContactBench(CampaignCommand):
         cfg = resolve_episode(self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker)
         if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach servers that this machine cannot
             cfg.tracked.choice().check()
-        specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
+        specs = self._specs(tasks)
+        memory = [] if self.memory is None else [stored.experience for stored in open_existing(self.memory).all()]
         conditions = self._conditions(cfg, tasks, memory)
         if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
@@ -191,9 +189,7 @@ class ContactBench(CampaignCommand):
             raise InputError("--policies", "", repr(self.policies), "a name of its own for each")
         return {one.name: one for one in found}
 
-    def _conditions(
-        self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
-    ) -> dict[str, str]:
+    def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Sequence[Experience]) -> dict[str, str]:
         """Compute digests of all conditions that must be equal for every episode of a table."""
         content = to_mapping(cfg)
         content.pop("record")
@@ -203,31 +199,29 @@ class ContactBench(CampaignCommand):
         return {
             "code version": code_version(),
             "configuration": digest(whole),
-            "memory": "none" if memory is None else digest([{**one, "created": ""} for one in memory["experiences"]]),
+            "memory": digest([one.model_dump(mode="json") for one in memory]) if memory else "none",
             **{f"task {name}": _task_digest(task) for name, task in tasks.items()},
         }
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
-        return {**super()._collect(store, summary), "memory": self._export_memories(store)}
+        return {**super()._collect(store, summary), "memory": self._gather_memories(store)}
 
     def _tables(self, rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
         return contact_tables(rows, about, command)
 
-    def _export_memories(self, store: Store) -> str:
-        """Export the new experiences of all trials of `full`, in order, as one file; "" if there are none.
+    def _gather_memories(self, store: Store) -> str:
+        """Put the new experiences of all trials of `full`, in order, into one memory; "" if there are none.
 
         Plans without regions, as made by `unguided` and `no-regions`, would not help a variant with regions.
         """
-        found: list[Any] = []
-        for spec in store.specs():
-            file = store.run_folder(spec) / TaskFiles.REMEMBERED
-            if spec.variant == "full" and file.is_file():
-                found += read_json(file, "experiences")["experiences"]
-        if not found:
-            return ""
         path = self.out / CampaignFiles.MEMORY
-        write_whole(path, (json_text.dumps({"format": FORMAT, "experiences": found}, indent=1) + "\n").encode())
-        return str(path)
+        path.unlink(missing_ok=True)
+        memory = Memory(path)
+        for spec in store.specs():
+            if spec.variant == "full":
+                for stored in Memory(store.run_folder(spec) / TaskFiles.REMEMBERED).all():
+                    memory.add(stored.experience)
+        return str(path) if memory.store.exists() else ""
 
 
 def named_tasks(text: str) -> tuple[str, ...]:
@@ -250,23 +244,3 @@ def _task_digest(task: Task) -> str:
             if part["file"] is not None:
                 part["file"] = digest(read_bytes(Path(part["file"]), "a mesh", MESH_BYTES).hex())
     return digest(content)
-
-
-def read_memory(where: str | Path) -> dict[str, Any]:
-    """Read the experiences of a memory, or of an export of one.
-
-    Raises:
-        InputError: The file is neither.
-    """
-    file = Path(where)
-    try:
-        if regular_bytes(file, 15).startswith(b"SQLite format 3"):
-            return Memory(file).export()
-        content = read_json(file, "a memory, or an export of one")
-    except OSError as error:
-        raise InputError("--memory", "", f"{file}: {error.strerror}", "a memory, or an export of one") from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise InputError("--memory", "", str(file), "a memory, or an export of one")
-    with tempfile.TemporaryDirectory() as aside:  # report its errors here, not in every worker
-        Memory(Path(aside) / "memory.sqlite").load(content, str(file))
-    return content

@@ -1,33 +1,15 @@
-"""`coral memory list|show|forget|export|import`: the experience memory of contact tasks."""
+"""`coral memory list|show|forget`: the experience memory of contact tasks."""
 
 from __future__ import annotations
 
-import json as json_text
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
-from coral.contact.memory.memory import Memory, Stored
-from coral.errors import InputError
-from coral.file_writer import write_whole, writing
+from coral.contact.memory.memory import Stored, open_existing
 from coral.flags import Argument
-from coral.foreign_file import read_json
-from coral.words import many
 
 FILE = "memory.sqlite"
-
-
-def _open_existing(file: str) -> Memory:
-    """Open an existing memory; these commands do not embed texts.
-
-    Raises:
-        InputError: There is none.
-    """
-    memory = Memory(file)
-    if not memory.store.exists():
-        raise InputError(file, "", "no such file", "what coral contact run --memory has made")
-    return memory
 
 
 def _row(stored: Stored) -> dict[str, Any]:
@@ -55,7 +37,7 @@ class MemoryFlags:
     """The flags of all these commands."""
 
     file: str = FILE
-    """The memory, an SQLite file; an import creates it."""
+    """The memory, an SQLite file."""
     json: bool = False
     """Print one JSON object."""
 
@@ -65,7 +47,7 @@ class MemoryList(MemoryFlags):
     """List the remembered experiences: origin, uses, and how many of these succeeded."""
 
     def __call__(self) -> Mapping[str, Any]:
-        return {"file": self.file, "experiences": [_row(stored) for stored in _open_existing(self.file).all()]}
+        return {"file": self.file, "experiences": [_row(stored) for stored in open_existing(self.file).all()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         rows = [
@@ -89,7 +71,7 @@ class MemoryShow(MemoryOne):
     """Show one experience: task, numbers, programs, regions, provenance."""
 
     def __call__(self) -> Mapping[str, Any]:
-        stored = _open_existing(self.file).get(self.id)
+        stored = open_existing(self.file).get(self.id)
         return {
             **_row(stored),
             "experience": stored.experience.model_dump(mode="json"),
@@ -106,42 +88,8 @@ class MemoryForget(MemoryOne):
     """Delete one experience."""
 
     def __call__(self) -> Mapping[str, Any]:
-        _open_existing(self.file).forget(self.id)
+        open_existing(self.file).forget(self.id)
         return {"file": self.file, "forgotten": self.id}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         return f"{result['file']}: {result['forgotten']} is forgotten"
-
-
-@dataclass(frozen=True, kw_only=True)
-class MemoryExport(MemoryFlags):
-    """Export all experiences into a JSON file."""
-
-    to: Annotated[Path, Argument(metavar="FILE")]
-    """The JSON file; it must not exist yet."""
-
-    def __call__(self) -> Mapping[str, Any]:
-        content = _open_existing(self.file).export()
-        with writing(self.to, expected="a new file that can be written"):
-            write_whole(self.to, json_text.dumps(content, indent=1, allow_nan=False) + "\n", replace=False)
-        return {"file": str(self.to), "experiences": len(content["experiences"])}
-
-    def describe(self, result: Mapping[str, Any]) -> str:
-        return f"{result['file']}: {many(result['experiences'], 'experience')}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class MemoryImport(MemoryFlags):
-    """Import exported experiences; known ones are skipped, and each is verified again before use."""
-
-    source: Annotated[Path, Argument(metavar="FILE")]
-    """The JSON file."""
-
-    def __call__(self) -> Mapping[str, Any]:
-        content = read_json(self.source, "a JSON file that coral memory export has written")
-        if not isinstance(content, dict):
-            raise InputError(str(self.source), "", type(content).__name__, "an object")
-        return {"file": self.file, "added": Memory(self.file).load(content, str(self.source))}
-
-    def describe(self, result: Mapping[str, Any]) -> str:
-        return f"{result['file']}: {result['added']} added"

@@ -7,6 +7,7 @@ from episodes import ANSWERS, SLIDE
 from recorded import as_attempts
 
 from coral.cli import main
+from coral.contact.memory.memory import Memory
 
 pytestmark = [pytest.mark.slow, pytest.mark.wing("coral.erring")]
 QUICK = [
@@ -73,7 +74,7 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
                 "--seeds",
                 "0-1",
                 "--memory",
-                str(practice / "memory.json"),
+                str(practice / "memory.sqlite"),
                 "--out",
                 str(tmp_path / "out"),
                 *QUICK,
@@ -82,7 +83,7 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
         == 0
     )
     rows = pq.read_table(tmp_path / "out" / "results.parquet").to_pylist()
-    kept = len(json.loads((practice / "memory.json").read_text())["experiences"])
+    kept = len(Memory(practice / "memory.sqlite").all())
     assert [(row["memory_known"], row["memory_hit"], row["advisor_calls"]) for row in rows] == [(kept, True, 1)] * 2
     assert f"at the start of every trial: {kept} (" in (tmp_path / "out" / "tables.md").read_text()
     assert json.loads(capsys.readouterr().out)["memory"] == ""
@@ -90,10 +91,10 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
 
 def test_only_plans_with_regions_are_handed_on(practised):
     _, practice = practised
-    kept = json.loads((practice / "memory.json").read_text())["experiences"]
-    assert {one["provenance"]["variant"] for one in kept} == {"full"}
-    assert len(list(practice.glob("runs/*_full_*/remembered.json"))) == len(kept)
-    assert not list(practice.glob("runs/*_unguided_*/remembered.json"))
+    kept = Memory(practice / "memory.sqlite").all()
+    assert {one.experience.provenance["variant"] for one in kept} == {"full"}
+    assert len(list(practice.glob("runs/*_full_*/remembered.sqlite"))) == len(kept)
+    assert not list(practice.glob("runs/*_unguided_*/remembered.sqlite"))
 
 
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):

@@ -13,7 +13,6 @@ from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.memory.memory import Memory
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.observation import BodyState
@@ -66,11 +65,9 @@ def test_a_failed_tracker_is_no_result(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def practice(scene, tmp_path):
-    """A memory with one experience of another task, exported."""
-    memory = Memory(tmp_path / "practice.sqlite", embedder=HashedConcepts())
-    memory.add(experience(scene("flip-box"), run="practice"))
-    return memory.export()
+def practice(scene):
+    """What a memory holds: one experience of another task."""
+    return [experience(scene("flip-box"), run="practice")]
 
 
 def succeeding(monkeypatch, after):
@@ -86,21 +83,19 @@ def test_a_success_is_remembered_beside_what_the_trial_began_with(practice, tmp_
     succeeding(monkeypatch, after=5)
     result = run_episode(short_task(2.0), COARSE, tmp_path / "run", memory=practice, **FULL)
     assert (result["success"], result["memory_known"]) == (True, 1)
-    kept = json.loads((tmp_path / "run" / "remembered.json").read_text())
-    assert kept["format"] == practice["format"]
-    assert [one["provenance"]["run"] for one in kept["experiences"]] == ["run"]
-    assert len(practice["experiences"]) == 1
+    kept = Memory(tmp_path / "run" / "remembered.sqlite").all()
+    assert [one.experience.provenance["run"] for one in kept] == ["run"]
 
 
 def test_a_failure_leaves_nothing_to_remember(practice, tmp_path, monkeypatch):
     succeeding(monkeypatch, after=0)
     result = run_episode(short_task(), COARSE, tmp_path / "run", memory=practice, **FULL)
     assert (result["success"], result["memory_known"]) == (False, 1)
-    assert not (tmp_path / "run" / "remembered.json").exists()
+    assert not (tmp_path / "run" / "remembered.sqlite").exists()
 
 
 def test_a_variant_without_memory_begins_with_none_whatever_it_is_given(practice, tmp_path, monkeypatch):
     succeeding(monkeypatch, after=5)
     result = run_episode(short_task(2.0), COARSE, tmp_path / "run", memory=practice, **{**FULL, "variant": "no-memory"})
     assert (result["success"], result["memory_known"], result["memory_hit"]) == (True, None, False)
-    assert not (tmp_path / "run" / "remembered.json").exists()
+    assert not (tmp_path / "run" / "remembered.sqlite").exists()

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,10 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.resolution import assemble_episode, of_variant
 from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_model
-from coral.contact.memory.memory import Memory
+from coral.contact.memory.memory import Experience, Memory
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
 from coral.errors import RunError
-from coral.file_writer import write_whole
 from coral.run_files import TaskFiles
 
 
@@ -30,14 +28,13 @@ def run_episode(
     variant: str,
     advisor: str,
     seed: int,
-    memory: Mapping[str, Any] | None = None,
+    memory: Sequence[Experience] = (),
     model: ModelCfg | None = None,
 ) -> dict[str, Any]:
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
-    A variant with memory begins with the experiences in `memory`, as exported by `Memory.export`. Each trial has its
-    own copy, so that trials do not depend on each other or on their order; new experiences are written to
-    `remembered.json` in the run folder.
+    A variant with memory begins with the experiences in `memory`. Each trial has its own copy, so that trials do not
+    depend on each other or on their order; new experiences go into a memory of their own in the run folder.
 
     Returns metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of
     experiences at the start.
@@ -49,25 +46,20 @@ def run_episode(
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
-        known = own.load(memory, "memory") if own is not None and memory is not None else 0
+        if own is not None:
+            for one in memory:
+                own.add(one)
         asking = AdvisorSetup(
             advisor=advisor, world=world, memory=None if own is None else own.where, model=model or contact_model()
         )
         episode = assemble_episode(sample_trial(task, seed), world, cfg, folder, variant=variant, asking=asking)
         result = episode.run()
         if own is not None:
-            _keep_new(own, known, folder)
+            for stored in own.all()[len(memory) :]:
+                Memory(folder / TaskFiles.REMEMBERED).add(stored.experience)
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
     if result["end_reason"] == "tracker-failed":
         raise RunError(f"tracker-failed: {episode.detail}")
-    known_at_first = None if own is None else known
+    known_at_first = None if own is None else len(memory)
     return {**result, "evaluation_world": world, "fallback": cfg.think.fallback, "memory_known": known_at_first}
-
-
-def _keep_new(own: Memory, known: int, folder: Path) -> None:
-    everything = own.export()
-    new = everything["experiences"][known:]
-    if new:
-        text = json.dumps({**everything, "experiences": new}, indent=1)
-        write_whole(folder / TaskFiles.REMEMBERED, f"{text}\n")

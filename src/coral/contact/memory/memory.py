@@ -29,8 +29,6 @@ from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.scene.facts import SceneFacts
 from coral.errors import InputError
 
-FORMAT = "coral-memory/1"
-
 
 class RememberedPlan(BaseModel):
     """A plan, and where it touches."""
@@ -131,21 +129,22 @@ class Memory:
         Raises:
             InputError: The experience is not a verified success, or the store cannot be written.
         """
-        if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
+        if not _is_verified(experience):
             expected = "success: true and the world that it was judged in"
             raise InputError("memory", "provenance", dict(experience.provenance), expected)
         now, vector = datetime.now(UTC).isoformat(timespec="seconds"), self.embedder.embed(experience.instruction)
         return self.store.insert(now, experience.model_dump_json(), self.embedder.name, vector)
 
     def all(self) -> list[Stored]:
-        """Return every readable experience, oldest first."""
+        """Return every readable experience, oldest first; a file of somebody else's is checked as what `add` stores."""
         found = []
         for row in self.store.rows():
             try:
                 experience = Experience.model_validate_json(row.record)
             except ValidationError:
                 continue  # written by another version: stays in the store, unused
-            found.append(Stored(**vars(row), experience=experience))
+            if _is_verified(experience):
+                found.append(Stored(**vars(row), experience=experience))
         return found
 
     def get(self, number: int) -> Stored:
@@ -219,37 +218,22 @@ class Memory:
             return stored.vector
         return self.embedder.embed(stored.experience.instruction)
 
-    def export(self) -> dict[str, Any]:
-        """Return all experiences as JSON."""
-        kept = [{"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()]
-        return {"format": FORMAT, "experiences": kept}
 
-    def load(self, content: Mapping[str, Any], where: str) -> int:
-        """Import the result of `export`; return how many experiences were new.
+def open_existing(file: str | Path) -> Memory:
+    """Open a memory that exists.
 
-        Raises:
-            InputError: The content is not an export, or one of its experiences is invalid.
-        """
-        if content.get("format") != FORMAT or not isinstance(content.get("experiences"), list):
-            raise InputError(where, "format", content.get("format"), FORMAT)
-        known = {stored.experience.model_dump_json() for stored in self.all()}
-        count = 0
-        for index, item in enumerate(content["experiences"]):
-            try:
-                one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
-                text = one.model_dump_json()
-                Experience.model_validate_json(text)  # store only what can be read back
-            except (ValidationError, TypeError, ValueError, RecursionError) as error:
-                path, why = f"experiences[{index}]", str(error)
-                if isinstance(error, ValidationError):
-                    first = error.errors(include_url=False)[0]
-                    path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
-                raise InputError(where, path, why, "an exported experience") from None
-            if text not in known:
-                self.add(one)
-                known.add(text)
-                count += 1
-        return count
+    Raises:
+        InputError: There is none.
+    """
+    memory = Memory(file)
+    if not memory.store.exists():
+        raise InputError(str(file), "", "no such file", "what coral contact run --memory has made")
+    return memory
+
+
+def _is_verified(experience: Experience) -> bool:
+    """Check that an experience is a success, judged in a world that it names."""
+    return experience.provenance.get("success") is True and bool(experience.provenance.get("world"))
 
 
 def _still_fits_hand(
