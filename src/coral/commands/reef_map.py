@@ -15,7 +15,6 @@ from coral.plugins import has_plugin
 from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import RgbPerception
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.products.files import summary, write_products
 from coral.reef.products.picture_labels import write_labels
 from coral.reef.products.placement import EarthPlacement, parse_datum
@@ -61,9 +60,6 @@ class ReefMap:
     1970 in a .tlog, since the autopilot's start in most .BIN). By default both clocks agree."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
-    sonar: SonarCfg = field(default_factory=SonarCfg)
-    """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
-    bag's."""
     doubt: DoubtCfg = field(default_factory=DoubtCfg)
     """Doubt with which a pixel still counts, where a network states one; by default a run's own."""
     json: bool = False
@@ -86,7 +82,6 @@ class ReefMap:
             topics=self.topics,
             perception=None if eyes is None else PicturePerception(eyes, named),
             period_s=self.period_s,
-            sonar=checked(self.sonar, "--sonar"),
             pictures_start_s=self.pictures_start_s,
         )
         if self.doubt != DoubtCfg():

@@ -1,4 +1,4 @@
 """Recordings of a survey, ours or not, as one sequence of keyframes: run folders, pictures with poses, ROS bags.
 
-A wing. It needs `coral.ros` for bags, and `coral.reef.sea` for local frames and packets of the sonar.
+A wing. It needs `coral.ros` for bags, and `coral.reef.sea` for cameras and what ArduSub says.
 """

@@ -16,12 +16,10 @@ from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.mapping import MapCfg
-from coral.reef.map.sonar_3d15 import SonarCfg, project_points
-from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
 from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.pose_track import NEAR_S, ONE_CLOCK, ClockBackError
-from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
+from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
@@ -49,8 +47,6 @@ class BagTopics:
     seen_by: str = "/camera/seen_by"
     """String: who found classes and depth, exact, rgb or a file's name; read if it is there."""
     camera_info: str = "/camera/camera_info"
-    sonar: str = "/sonar/points"
-    """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
     odometry: str = "/odometry"
     map: str = "/map"
     """OccupancyGrid whose extent and cells the new map takes over, if it is there."""
@@ -75,13 +71,12 @@ def read_bag(
     camera: RecordedCamera | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
-    sonar: SonarCfg | None = None,
 ) -> Recording:
     """Read a ROS 2 bag's folder, or an MCAP file.
 
-    The camera is by default that of camera_info and the transforms, the sonar a Sonar 3D-15, the edge of a cell the
-    bag's own where it has a map. With `perception`, what pictures show is what that sees in their colours, whatever
-    else the bag has of them. `period_s` is the least time between two pictures that are used (s).
+    The camera is by default that of camera_info and the transforms, the edge of a cell the bag's own where it has a
+    map. With `perception`, what pictures show is what that sees in their colours, whatever else the bag has of them.
+    `period_s` is the least time between two pictures that are used (s).
 
     Raises:
         InputError: It is no bag, or something in it is missing or wrong. Pictures are checked when they are read.
@@ -114,21 +109,10 @@ def read_bag(
         remarks = (_lift(track, usual_m, mount_at(track.odometry.times[0]), camera, where),)
     cfg = MapCfg() if contents.cell_m is None else MapCfg(cell_m=contents.cell_m)
     omitted: set[float] = set()
-    heard_by, hear = (
-        open_sonar(bag, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else (None, None)
-    )
 
     def keyframes() -> Iterator[PosedFrame]:
-        due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
-        used: list[float] = []
-        for t, images in _moments(bag, set(pictured), {topics.sonar}, track.odometry.span):
-            if topics.sonar in images:
-                assert hear is not None
-                ping, cloud = hear(t, images[topics.sonar])
-                if ping is not None:
-                    pings.append(ping)
-                    clouds[:] = [(t, cloud)]
-                continue
+        due, used = -math.inf, False
+        for t, images in _moments(bag, set(pictured), track.odometry.span):
             if t < due - 1e-6:
                 continue
             due = t + period_s
@@ -144,16 +128,11 @@ def read_bag(
             place = f"{where} at {t:.3f} s"
             if not height_m > 0.0:
                 raise InputError(place, "height", f"{height_m:g} m", "a height above the sea floor, where z is 0")
-            heard = [project_points(cloud, found.view) for when, cloud in clouds if abs(when - t) <= NEAR_S]
-            attitude = CameraAttitude(height_m, roll, pitch, heard[0] if heard else None)
+            attitude = CameraAttitude(height_m, roll, pitch)
             named = {kinds[topic]: partial(_image, message, place, kinds[topic]) for topic, message in images.items()}
             frame = recorded_frame(named, found, perception, attitude, place)
-            yield PosedFrame(
-                t=t, pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=at[1],
-                pings=tuple(pings),
-            )  # fmt: skip
-            pings.clear()
-            used.append(t)
+            yield PosedFrame(t=t, pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=at[1])
+            used = True
         if omitted and not used:
             raise InputError(
                 where, "time", f"pictures from {min(omitted):.1f} to {max(omitted):.1f} s, poses from "
@@ -163,8 +142,7 @@ def read_bag(
     name = path.stem if path.suffix else path.name
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
-        seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
-        sonar=heard_by, remarks=remarks,
+        seen_by=perception.name if perception else contents.seen_by, omitted=omitted, remarks=remarks,
     )  # fmt: skip
 
 
@@ -192,17 +170,14 @@ def _image(message: Any, where: str, name: str) -> NDArray[Any]:
     return colours_in(message, where) if name == "rgb" else values_in(message, where, name)
 
 
-def _moments(
-    bag: Bag, pictures: set[str], others: set[str], poses: tuple[float, float]
-) -> Iterator[tuple[float, dict[str, Any]]]:
-    """Return the pictures of each moment, those with one time stamp, and every other message by itself.
+def _moments(bag: Bag, pictures: set[str], poses: tuple[float, float]) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Return the pictures of each moment, those with one time stamp.
 
-    `poses` are the times of the first and the last pose (s), for errors. The last moment of a bag without
-    an end is left out: it may lack some.
+    `poses` are the times of the first and the last pose (s), for errors.
     """
-    t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
+    t_open, images = math.nan, dict[str, Any]()
     unstamped: set[str] = set()
-    for topic, message in bag.read_messages(pictures | others):
+    for topic, message in bag.read_messages(pictures):
         try:
             t = stamp_of(message)
         except AttributeError as error:
@@ -211,23 +186,15 @@ def _moments(
             raise InputError(bag.where, topic, "messages without time stamps (all 0)", "stamps of when each was taken")
         if t == 0.0:  # once it may be the beginning of a simulation
             unstamped.add(topic)
-        if topic not in pictures:
-            if images and t > t_open:
-                later.append((t, {topic: message}))  # after the picture, which may not be complete yet
-            else:
-                yield t, {topic: message}
-            continue
         if images and t != t_open:
             if t < t_open - NEAR_S:
                 _refuse_apart(bag, pictures, poses)
                 raise InputError(bag.where, topic, f"{t:.3f} s after {t_open:.3f} s", ONE_CLOCK)
             yield t_open, images
-            yield from later
-            images, later = {}, []
+            images = {}
         t_open, images[topic] = t, message
     if images:
         yield t_open, images
-    yield from later
 
 
 def _refuse_apart(bag: Bag, pictures: set[str], poses: tuple[float, float]) -> None:

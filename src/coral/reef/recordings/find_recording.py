@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.log_recording import find_log, read_log_folder
 from coral.reef.recordings.perception import PicturePerception
@@ -25,14 +24,13 @@ def find_recording(
     topics: BagTopics | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
-    sonar: SonarCfg | None = None,
     pictures_start_s: float | None = None,
 ) -> Recording:
     """Read a recording of any kind.
 
     A run and a bag know their camera; a folder of pictures has it in `camera.yaml` unless a file is given
-    (`CameraFileCfg`). Topics and sonar are those of a bag; the other settings as for `read_bag`. `pictures_start_s` is
-    the time of an autopilot's log at which the first picture was taken (s).
+    (`CameraFileCfg`). Topics are those of a bag; the other settings as for `read_bag`. `pictures_start_s` is the time
+    of an autopilot's log at which the first picture was taken (s).
 
     Raises:
         InputError: The path is nothing of that, or something in it is missing or wrong.
@@ -46,7 +44,7 @@ def find_recording(
             "--pictures-start-s", "", pictures_start_s, "an autopilot's log (.tlog, .BIN) as the recording"
         )
     if is_bag(path):
-        return read_bag(path, topics or BagTopics(), given, perception, period_s, sonar)
+        return read_bag(path, topics or BagTopics(), given, perception, period_s)
     if is_run(path):
         if given is not None:
             raise InputError("--camera", "", str(camera), "none: a run knows its camera")

@@ -10,29 +10,13 @@ import numpy as np
 
 from coral.errors import InputError
 from coral.reef.map.mapping import MapCfg, OccupancyMap
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.vehicle.range_image import RangeImage
-from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
 
 MARGIN_M = 6.5
 """What a map without a stated area reaches beyond the outermost pose: the map's range, and half a metre."""
 LARGEST_M = 500.0
 RECORDED, EXACT = "recorded", "exact"
-
-
-@dataclass(frozen=True, kw_only=True)
-class PosedPing:
-    """A range image of a sonar and where it was taken."""
-
-    t: float
-    """Time since the recording's start (s)."""
-    pose: Pose
-    """Of the sonar in the plane, world ENU."""
-    attitude: Attitude
-    """Of a body with the sonar at its origin."""
-    image: RangeImage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +35,6 @@ class PosedFrame:
     """Of the body, without the camera's own tilt (rad, REP-103)."""
     odometry: Pose | None = None
     """The same pose by odometry alone; None where it is not known apart."""
-    pings: tuple[PosedPing, ...] = ()
-    """What a sonar heard since the picture before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,8 +51,6 @@ class Recording:
     """x and y of the south-west corner of the area to be mapped, its width and height (m); None: about the poses."""
     map: MapCfg = field(default_factory=MapCfg)
     """How pictures become a map."""
-    sonar: SonarCfg | None = None
-    """The sonar; None without one."""
     start: Pose | None = None
     """Pose at the start of the survey; None: of the first keyframe."""
     seen_by: str = RECORDED
@@ -103,8 +83,7 @@ class Recording:
 
         def moved() -> Iterator[PosedFrame]:
             for keyframe in read():
-                pings = tuple(replace(ping, pose=_moved(ping.pose, x, y)) for ping in keyframe.pings)
-                yield replace(keyframe, pose=_moved(keyframe.pose, x, y), pings=pings)
+                yield replace(keyframe, pose=_moved(keyframe.pose, x, y))
 
         corner_free = (0.0, 0.0, width, height)
         unchanged = (x, y) == (0.0, 0.0)
@@ -123,15 +102,13 @@ class Recording:
 
 
 def map_of(recording: Recording) -> OccupancyMap:
-    """Make the occupancy map of a located recording from its keyframes and what a sonar heard between them.
+    """Make the occupancy map of a located recording.
 
     Raises:
         InputError: A picture is not one of the recording's camera.
     """
-    cells = OccupancyMap(recording.size_m, recording.camera, recording.map, recording.sonar)
+    cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
     for keyframe in recording.keyframes():
-        for ping in keyframe.pings:
-            cells.hear(ping.image, ping.pose, ping.attitude)
         cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
     return cells
 

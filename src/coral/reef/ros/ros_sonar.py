@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.pilot.checks import UnfitMeasurement
-from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.ros.heard_tree import BODY, HeardTree
+from coral.reef.ros.point_clouds import points_in, range_image_of
 from coral.reef.vehicle.sensing import HeardImage
 from coral.ros.ros_node import Newest, RosNode, ros_type
 

@@ -7,7 +7,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.recordings.point_clouds import points_in, range_image_of
+from coral.reef.ros.point_clouds import points_in, range_image_of
 from coral.reef.vehicle.range_image import beam_directions
 
 SONAR = SonarCfg(width=16, height=8)
