@@ -67,7 +67,6 @@ OURS: dict[str, dict[str, str]] = {
     },
     "ros2": {
         "camera": "coral.reef.ros.ros_camera:RosCamera",
-        "lens": "coral.reef.ros.camera_info:stated_camera",
         "sonar": "coral.reef.ros.ros_sonar:RosSonar",
         "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },

@@ -1,4 +1,5 @@
 import math
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -8,14 +9,12 @@ import pytest
 from coral.check_line import CheckLine
 from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
-from coral.commands.sail_parts import open_parts, read_area, warm_up, watch_sensors, with_lens
+from coral.commands.sail_parts import open_camera, open_parts, read_area, warm_up, watch_sensors
 from coral.errors import InputError
-from coral.lens import Lens
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.link import VehicleReport
-from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
@@ -47,9 +46,12 @@ def test_a_rehearsal_needs_a_reef_of_the_same_size(survey):
         read_area(survey("rehearse: l1\n"))
 
 
+@contextmanager
 def opened(flags):
     area, world, depth = read_area(flags.area)
-    return open_parts(flags, area, world, MissionCfg(), depth)
+    with ExitStack() as stack:
+        cfg, camera = open_camera(flags, MissionCfg(), stack)
+        yield stack.enter_context(open_parts(flags, area, world, cfg, depth, camera))
 
 
 def test_the_simulated_vehicle_begins_where_the_area_does_and_sees_the_reef():
@@ -86,9 +88,9 @@ def test_camera_and_sonar_of_ros_get_the_vehicles_parameters(monkeypatch, vehicl
     given = {}
 
     def part(group, name, flag):
-        def make(*told, **more):
-            given[name] = told[-1]
-            return SimpleNamespace(read=lambda: None, close=lambda: None, name=name)
+        def make(*told):
+            given[name] = told[3 if name == "camera" else 2]
+            return SimpleNamespace(read=lambda: None, close=lambda: None, name=name, view=CameraCfg())
 
         return make
 
@@ -101,22 +103,25 @@ def test_camera_and_sonar_of_ros_get_the_vehicles_parameters(monkeypatch, vehicl
         assert given == {"camera": place, "sonar": place}
 
 
-def test_the_lens_of_a_topic_is_the_one_beside_it_unless_a_file_is_given(monkeypatch, tmp_path):
-    lens = Lens(width=640, height=480, fx=300.0, fy=300.0, cx=320.0, cy=240.0, distortion=(-0.3, 0.1, 0.0, 0.0))
-    stated = [RecordedCamera.of(lens, CameraCfg(), "x", 320), None]
-    monkeypatch.setattr(sail_parts, "our_part", lambda *told: lambda topic, mount, place: stated[0])
-    cfg, fit = with_lens(ReefSail(area="s1", camera="ros2:/image"), MissionCfg())
-    assert cfg.simulator.camera == stated[0].view
-    assert fit(np.zeros((480, 640, 3), np.uint8)).shape[1] == 320
-    stated[0] = None
-    for camera in ("ros2:/image", "dive.mp4"):
-        cfg, fit = with_lens(ReefSail(area="s1", camera=camera), MissionCfg())
-        assert cfg.simulator.camera == CameraCfg()
-        assert fit(np.zeros((480, 640, 3), np.uint8)).shape == (120, 160, 3)
+def test_the_lens_of_a_real_camera_is_that_of_its_file_or_else_the_one_that_is_found(monkeypatch, tmp_path):
+    given = []
+
+    def make(topic, latency_s, view, place, known):
+        given.append((view, known))
+        found = CameraCfg(width=32, height=24) if known is None else known.view
+        return SimpleNamespace(view=found, read=lambda: None, close=lambda: None, name=topic)
+
+    monkeypatch.setattr(sail_parts, "our_part", lambda *told: make)
     file = tmp_path / "camera.yaml"
     file.write_text("width: 64\nheight: 48\nhfov_deg: 70\n")
-    cfg, fit = with_lens(ReefSail(area="s1", camera="ros2:/image", lens=file), MissionCfg())
-    assert cfg.simulator.camera.hfov_deg == 70.0
+    with ExitStack() as stack:
+        cfg, camera = open_camera(ReefSail(area="s1", camera="ros2:/image"), MissionCfg(), stack)
+        assert (cfg.simulator.camera.width, camera.source.name) == (32, "/image")
+        cfg, _ = open_camera(ReefSail(area="s1", camera="ros2:/image", lens=file), MissionCfg(), stack)
+        assert cfg.simulator.camera.hfov_deg == 70.0
+        assert given[0] == (CameraCfg(), None)
+        assert given[1][0] == given[1][1].view == cfg.simulator.camera
+        assert open_camera(ReefSail(area="s1"), MissionCfg(), stack) == (MissionCfg(), None)
 
 
 def test_the_configured_network_looks_at_the_cameras_pictures():

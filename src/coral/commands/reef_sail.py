@@ -20,13 +20,13 @@ from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
 from coral.commands.reef_run import fulfilled
 from coral.commands.sail_conduct import conduct
-from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors, with_lens
+from coral.commands.sail_parts import Parts, SailFlags, open_camera, open_parts, read_area, warm_up, watch_sensors
 from coral.commands.sail_told import lens_told, survey_told
 from coral.config import Positive, checked, merge, read_config
 from coral.errors import InputError, RunError
 from coral.exit_code import ExitCode
 from coral.file_writer import write_whole
-from coral.flags import Argument, Option
+from coral.flags import Option
 from coral.plugins import our_part
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -40,7 +40,6 @@ from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import SurveyFiles
 from coral.runs import new_run_folder
 from coral.terminal import tell
@@ -50,36 +49,16 @@ ARM_S = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReefSail:
+class ReefSail(SailFlags):
     """Survey a reef in real time: rehearse with a simulated vehicle, or drive a BlueROV2."""
 
-    area: Annotated[str, Argument(metavar="WORLD_OR_SURVEY", names=shipped_worlds)]
-    """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
-    vehicle: str = "simulated"
-    """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT or mavlink:tcp:HOST:PORT: ArduSub,
-    real or in the loop; #ID behind it names the vehicle of that system id. ros2, ros2:NAMESPACE or
-    ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
-    camera: str = "simulated"
-    """simulated: pictures of the simulated reef from where the vehicle is. Or a file, an address (RTSP, HTTP) or a
-    device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""
     perception: Annotated[str | None, Option(metavar="exact|rgb|painted|FILE.onnx")] = None
     """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), or
     from colour pictures, by the network of CORAL for real (rgb) or for painted ones (painted), or by one of yours."""
-    lens: Path | None = None
-    """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified. By default the lens
-    that `camera_info` states beside ros2:TOPIC, or the configured one."""
-    sonar: str = "none"
-    """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
-    (udp:ADDRESS:PORT with this computer's address on the sonar's network). ros2:TOPIC: a cloud of
-    points."""
-    truth: str = ""
-    """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
     instruction: Annotated[str | None, Option(metavar="TEXT")] = None
     """What to do, in plain words, in place of a survey of everything; nobody judges it. A simulated reef may have words
     of its own (words:FAMILY:N), which are judged."""
-    seed: int = 0
-    """Seed of the controller's samples."""
     depth: Positive | None = None
     """Depth to hold (m), below the surface; by default the survey file's, or 1 m."""
     start: tuple[float, float, float] | None = None
@@ -90,8 +69,6 @@ class ReefSail:
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be about where
     `--start` says, by default at the area's start again: it finds its place by the obstacles that it sees again."""
-    camera_latency: float = 0.0
-    """Time from exposure to the picture's arrival (s), as calibrated."""
     priority: Literal["high", "normal"] = "high"
     """high: the program and its control thread go before other programs, where the system allows it (root, or limits
     for nice and rtprio)."""
@@ -142,11 +119,11 @@ class ReefSail:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
-        cfg, fit = with_lens(self, cfg)
+        cfg, camera = open_camera(self, cfg, opened)
         belief, landmarks, sim = None, LandmarkMap(), cfg.simulator
         if self.resume is not None:
             belief, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
-        parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
+        parts = opened.enter_context(open_parts(self, area, world, cfg, depth, camera))
         for told in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(told)
         if self.yes and not parts.proven_simulation:

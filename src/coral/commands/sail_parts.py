@@ -10,17 +10,17 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated
 
 import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
 from coral.check_line import CheckLine, blocking
 from coral.errors import InputError
+from coral.flags import Argument
 from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
-from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -30,14 +30,14 @@ from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.latest_reading import LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
-from coral.reef.sea.picture import LatestShot, Shot
-from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
+from coral.reef.sea.picture import LatestShot
+from coral.reef.sea.recorded_camera import read_camera
 from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.transport import parse_address
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
-from coral.reef.sea.video_camera import WIDEST_PX, Fit, VideoCamera, resized
+from coral.reef.sea.video_camera import WIDEST_PX, VideoCamera, resized
 from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
 from coral.reef.simulation.stills import make_painter
@@ -47,6 +47,7 @@ from coral.reef.world.find_world import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld, load_world
+from coral.reef.world.world_names import shipped_worlds
 
 DEPTH_M = 1.0
 WARM_UP_S = 6.0
@@ -74,25 +75,32 @@ def read_area(name: str) -> tuple[SurveyArea, ReefWorld | None, float]:
     return SurveyArea.of_world(world), world, DEPTH_M
 
 
-class SailFlags(Protocol):
+@dataclass(frozen=True, kw_only=True)
+class SailFlags:
     """The flags of the command that say what is opened."""
 
-    @property
-    def area(self) -> str: ...
-    @property
-    def vehicle(self) -> str: ...
-    @property
-    def camera(self) -> str: ...
-    @property
-    def sonar(self) -> str: ...
-    @property
-    def truth(self) -> str: ...
-    @property
-    def seed(self) -> int: ...
-    @property
-    def camera_latency(self) -> float: ...
-    @property
-    def lens(self) -> Path | None: ...
+    area: Annotated[str, Argument(metavar="WORLD_OR_SURVEY", names=shipped_worlds)]
+    """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
+    vehicle: str = "simulated"
+    """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT or mavlink:tcp:HOST:PORT: ArduSub,
+    real or in the loop; #ID behind it names the vehicle of that system id. ros2, ros2:NAMESPACE or
+    ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
+    camera: str = "simulated"
+    """simulated: pictures of the simulated reef from where the vehicle is. Or a file, an address (RTSP, HTTP) or a
+    device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""
+    camera_latency: float = 0.0
+    """Time from exposure to the picture's arrival (s), as calibrated."""
+    lens: Path | None = None
+    """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified. By default the lens
+    that `camera_info` states beside ros2:TOPIC, or the configured one."""
+    sonar: str = "none"
+    """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
+    (udp:ADDRESS:PORT with this computer's address on the sonar's network). ros2:TOPIC: a cloud of
+    points."""
+    truth: str = ""
+    """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
+    seed: int = 0
+    """Seed of the controller's samples."""
 
 
 @dataclass
@@ -138,23 +146,29 @@ class Parts:
         return None if found is None else found[1]
 
 
-def with_lens(flags: SailFlags, cfg: MissionCfg) -> tuple[MissionCfg, Fit]:
-    """Return the configuration with the lens of a real camera, and what makes its pictures those of its camera.
+def open_camera(flags: SailFlags, cfg: MissionCfg, opened: ExitStack) -> tuple[MissionCfg, LatestShot | None]:
+    """Open a real camera. Return the configuration with its lens, and the camera; None where it is simulated.
 
     The lens is that of the camera file, or of the CameraInfo beside a topic; without both, as configured.
 
     Raises:
-        InputError: The file or the lens cannot be used.
+        InputError: It does not open, or the file or the lens cannot be used.
     """
-    found: RecordedCamera | None = None
-    if flags.lens is not None:
-        found = read_camera(flags.lens, WIDEST_PX)
-    elif flags.camera.startswith("ros2:"):
+    if flags.camera == "simulated":
+        return cfg, None
+    eyes = open_eyes(cfg.perception, depth=cfg.depth)
+    known = None if flags.lens is None else read_camera(flags.lens, WIDEST_PX)
+    view = cfg.simulator.camera if known is None else known.view
+    if flags.camera.startswith("ros2:"):
         topic, place = flags.camera.removeprefix("ros2:"), _ros_place(flags)
-        found = our_part("ros2", "lens", "--camera")(topic, cfg.simulator.camera, place)
-    if found is None:
-        return cfg, partial(resized, camera=cfg.simulator.camera)
-    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=found.view)), found.picture
+        source = our_part("ros2", "camera", "--camera")(topic, flags.camera_latency, view, place, known)
+        view = source.view
+    else:
+        fit = partial(resized, camera=view) if known is None else known.picture
+        source = VideoCamera(flags.camera, flags.camera_latency, fit)
+    camera = LatestShot(source, eyes, view)
+    opened.callback(camera.close)
+    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=view)), camera
 
 
 @contextmanager
@@ -164,18 +178,20 @@ def open_parts(
     world: ReefWorld | None,
     cfg: MissionCfg,
     depth_m: float,
-    fit: Fit = lambda rgb: rgb,
+    camera: LatestShot | None = None,
 ) -> Iterator[Parts]:
-    """Open vehicle, camera, sonar and eyes, and close them at the end; `fit` makes a real camera's pictures fit `cfg`.
+    """Open vehicle, simulated camera and sonar, and close them at the end; `camera` is a real one, open already.
 
     Raises:
         InputError: A name is wrong, or something does not answer.
     """
-    eyes = open_eyes(cfg.perception, depth=cfg.depth, painted=flags.camera == "simulated")
     with ExitStack() as opened:
         parts = _vehicle(flags, area, world, cfg, depth_m, opened)
-        parts.camera = LatestShot(_camera(flags, world, cfg, parts, fit, eyes), eyes, cfg.simulator.camera)
-        opened.callback(parts.camera.close)
+        if camera is None:
+            parts.camera = _simulated_camera(flags, _needed(world, "--camera"), cfg, parts)
+            opened.callback(parts.camera.close)
+        else:
+            parts.camera, parts.reef = camera, None
         if flags.sonar != "none":
             parts.sonar = LatestReading(_sonar(flags, world, cfg, parts), "coral-sonar")
             opened.callback(parts.sonar.close)
@@ -188,32 +204,20 @@ def _needed(world: ReefWorld | None, where: str) -> ReefWorld:
     return world
 
 
-def _camera(
-    flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts, fit: Fit, eyes: RgbPerception | None
-) -> SensorSource[Shot]:
-    sim = cfg.simulator
-    if flags.camera == "simulated":
-        world = _needed(world, "--camera")
-        scene, painter = Scene.from_world(world), None
-        if sim.pictures or eyes is not None:
-            painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
-        simulated: SensorSource[Shot] = our_part("rehearsal", "camera", "--camera")(
-            scene,
-            sim.camera,
-            parts.where,
-            painter=painter,
-            stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
-            noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
-        )
-        return simulated
-    parts.reef = None
-    if not flags.camera.startswith("ros2:"):
-        return VideoCamera(flags.camera, flags.camera_latency, fit)
-    topic, from_file = flags.camera.removeprefix("ros2:"), flags.lens is not None
-    heard: SensorSource[Shot] = our_part("ros2", "camera", "--camera")(
-        topic, flags.camera_latency, fit, sim.camera, _ros_place(flags), from_file=from_file
+def _simulated_camera(flags: SailFlags, world: ReefWorld, cfg: MissionCfg, parts: Parts) -> LatestShot:
+    sim, scene, painter = cfg.simulator, Scene.from_world(world), None
+    eyes = open_eyes(cfg.perception, depth=cfg.depth, painted=True)
+    if sim.pictures or eyes is not None:
+        painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
+    source = our_part("rehearsal", "camera", "--camera")(
+        scene,
+        sim.camera,
+        parts.where,
+        painter=painter,
+        stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
+        noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
     )
-    return heard
+    return LatestShot(source, eyes, sim.camera)
 
 
 def _vehicle(
