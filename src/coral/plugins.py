@@ -71,8 +71,8 @@ OURS: dict[str, dict[str, str]] = {
         "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },
     "rehearsal": {
-        "camera": "coral.reef.rehearsal.simulated_sensors:SimulatedCamera",
-        "sonar": "coral.reef.rehearsal.simulated_sensors:SimulatedSonar",
+        "camera": "coral.reef.rehearsal.simulated_sensors:simulated_camera",
+        "sonar": "coral.reef.rehearsal.simulated_sensors:simulated_sonar",
         "truth": "coral.reef.rehearsal.truth:follow_truth",
     },
     "networks": {

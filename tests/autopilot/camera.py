@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import PRESETS, apply_preset
-from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSonar
+from coral.reef.rehearsal.simulated_sensors import simulated_camera, simulated_sonar
 from coral.reef.rehearsal.truth import follow_truth
 from coral.reef.sea.frames import LocalFrame
 from coral.reef.sea.record import ReefTruth
@@ -191,7 +191,7 @@ def main() -> None:
 
     judge, scene = Judge(world, sim, Path(tempfile.mkdtemp())), Scene.from_world(world)
     painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
-    camera = SimulatedCamera(scene, sim.camera, where, said.rate, painter=painter)
+    camera = simulated_camera(scene, sim.camera, where, said.rate, painter=painter)
     server = MjpegServer(said.port, said.latency, said.dropped)
 
     def picture() -> None:
@@ -202,7 +202,7 @@ def main() -> None:
 
     surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
     pings = Sonar3d15(scene.resting, sim.sonar, np.random.default_rng(3), surface_z=surface_z)
-    sonar, line = SimulatedSonar(pings, where, sim.camera.altitude_m), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sonar, line = simulated_sonar(pings, where, sim.camera.altitude_m), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def ping() -> None:
         heard = sonar.read()

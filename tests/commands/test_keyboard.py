@@ -5,7 +5,6 @@ import pytest
 
 from coral.commands.keyboard import Keyboard
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.world.instruction import checked_words
 
 
 @pytest.fixture
@@ -84,34 +83,3 @@ def test_a_hold_after_arm_takes_it_back(words, capsys):
 def test_the_end_of_the_input_arms_nothing(words):
     with open(os.devnull) as source:
         assert not Keyboard(words, source).wait_for_arm()
-
-
-def told_to(said):
-    return lambda words, by: said.append((checked_words(words), by)) is None
-
-
-def test_another_instruction_on_a_pipe(words, pipe):
-    source, write = pipe
-    said = []
-    write("i Find the Net.\ni  \nhold\n")
-    Keyboard(words, source, told_to(said)).listen(listening(2))
-    assert said == [("Find the Net.", "keyboard")]
-    assert words.take() == [("hold", "keyboard")]
-
-
-def test_another_instruction_is_typed_to_its_end_on_a_terminal(words):
-    master, slave = pty.openpty()
-    said = []
-    with os.fdopen(slave) as source:
-        typed = iter([b"i", b"shorx", b"\x7ft", b"\n", b"h"])
-
-        def until():
-            key = next(typed, None)
-            if key is not None:
-                os.write(master, key)
-            return key is None
-
-        Keyboard(words, source, told_to(said)).listen(until)
-    os.close(master)
-    assert said == [("short", "keyboard")]
-    assert [word for word, _ in words.take()] == ["hold"]

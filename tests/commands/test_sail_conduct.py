@@ -23,8 +23,6 @@ def test_a_signal_becomes_a_word_and_the_handler_is_put_back():
 
 def test_a_failure_of_the_control_loop_is_told():
     class Broken:
-        instructing = None
-
         def run(self, observers):
             raise ValueError("no way")
 

@@ -9,27 +9,21 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import IO
 
-from coral.errors import InputError
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
 from coral.terminal import tell
 
 KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "b": "home", "q": "stop", "s": "surface"}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  b: back to the start  s: surface  q: stop"
-HELP_INSTRUCT = "i: another instruction"
 WAIT_S = 0.1
 
 
 class Keyboard:
     """Reads standard input without ever blocking for longer than `WAIT_S`."""
 
-    def __init__(
-        self, words: OperatorWords, source: IO[str] | None = None, instruct: Callable[[str, str], bool] | None = None
-    ) -> None:
-        """Listen, by default on standard input; instruct(words, by) changes the instruction of a mission in words."""
-        self._words, self._source, self._instruct = words, source or sys.stdin, instruct
-        self._writing = False
-        """Whether an instruction is being typed at a terminal."""
+    def __init__(self, words: OperatorWords, source: IO[str] | None = None) -> None:
+        """Listen, by default on standard input."""
+        self._words, self._source = words, source or sys.stdin
         self._text, self._ended = "", False
 
     def listen(self, until: Callable[[], bool]) -> None:
@@ -57,48 +51,18 @@ class Keyboard:
         return False
 
     def _take(self, letter: str, keys: bool) -> None:
-        if keys and self._writing:
-            self._write(letter)
-        elif keys:
-            if letter == "i" and self._instruct is not None:
-                self._writing = True
-                self._print("instruction (Enter to send it, nothing to keep the old one): ")
-            elif letter in KEYS:
+        if keys:
+            if letter in KEYS:
                 self._words.say(KEYS[letter], "keyboard")
         elif letter == "\n":
             line, self._text = self._text.strip(), ""
             word = next((word for word in WORDS if word == line.lower()), None) or KEYS.get(line.lower())
             if word is not None:
                 self._words.say(word, "keyboard")
-            elif self._instruct is not None and line.lower().startswith("i "):
-                self._send(line[2:])
             elif line:
                 tell(f"type {', '.join(WORDS)}; q is stop")
         else:
             self._text += letter
-
-    def _write(self, letter: str) -> None:
-        """Take a letter of an instruction; a terminal that gives single keys does not show them."""
-        if letter == "\n":
-            words, self._text, self._writing = self._text, "", False
-            self._print("\n")
-            self._send(words)
-        elif letter in "\b\x7f":
-            self._print("\b \b" if self._text else "")
-            self._text = self._text[:-1]
-        else:
-            self._text += letter
-            self._print(letter)
-
-    def _send(self, words: str) -> None:
-        try:
-            if self._instruct is not None and words.strip():
-                self._instruct(words, "keyboard")
-        except InputError as error:
-            self._print(f"{error}\n")
-
-    def _print(self, text: str) -> None:
-        print(text, end="", file=sys.stderr, flush=True)
 
     def _read(self) -> str:
         if self._ended:

@@ -17,7 +17,7 @@ from coral.advisor.registry import advisor_help, asks_person
 from coral.check_line import blocking
 from coral.commands.around_run import list_made, mission_notice, render
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
+from coral.commands.keyboard import HELP, Keyboard
 from coral.commands.reef_run import fulfilled
 from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, SailFlags, open_camera, open_parts, read_area, warm_up, watch_sensors
@@ -253,7 +253,7 @@ class ReefSail(SailFlags):
         if refusals or not mission.crew.link.report().armed:
             mission.record.close()
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
-        self._say(f"armed. {HELP}{f'  {HELP_INSTRUCT}' if mission.instruction else ''}")
+        self._say(f"armed. {HELP}")
 
     def _observers(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
         """Open what shows the survey elsewhere, as topics and on a page."""

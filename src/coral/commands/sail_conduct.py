@@ -45,7 +45,7 @@ def conduct(
         with signals_as_words(words):
             thread.start()
             try:
-                Keyboard(words, instruct=mission.instructing).listen(done.done)
+                Keyboard(words).listen(done.done)
             except BaseException:
                 words.say("stop", "failure")  # nothing may command the vehicle after the program has ended
                 thread.join(STOP_S)

@@ -28,9 +28,8 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
 from coral.reef.sea.frames import LocalFrame
-from coral.reef.sea.latest_reading import LatestReading, SensorSource
+from coral.reef.sea.latest_reading import LatestReading, LatestShot, SensorSource
 from coral.reef.sea.link import VehicleLink
-from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.recorded_camera import read_camera
 from coral.reef.sea.safety import SailCfg
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey

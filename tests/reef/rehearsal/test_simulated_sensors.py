@@ -3,7 +3,7 @@ from echoes import SMALL
 
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.paint.painter import Painter
-from coral.reef.rehearsal.simulated_sensors import SimulatedCamera, SimulatedSonar
+from coral.reef.rehearsal.simulated_sensors import simulated_camera, simulated_sonar
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.simulation.simulator import SimulatorCfg, make_stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -15,7 +15,8 @@ SCENE = Scene.from_world(load_world("s1"))
 
 
 class FakeClock:
-    now = 0.0
+    def __init__(self):
+        self.now, self.timing = 0.0, {"clock": self, "sleep": self.sleep}
 
     def __call__(self):
         return self.now
@@ -30,7 +31,7 @@ def sonar():
 
 def test_it_hears_the_reef_from_where_the_vehicle_is_at_its_rate():
     clock, pose = FakeClock(), Pose(5.0, 5.0, 0.3)
-    simulated = SimulatedSonar(sonar(), lambda: (clock.now, pose), 1.0, clock, clock.sleep)
+    simulated = simulated_sonar(sonar(), lambda: (clock.now, pose), 1.0, **clock.timing)
     heard = [simulated.read() for _ in range(3)]
     assert [round(each.t, 6) for each in heard] == [0.0, 0.2, 0.4]
     assert np.array_equal(heard[0].value.ranges, sonar().image(pose, 1.0).ranges)
@@ -38,13 +39,13 @@ def test_it_hears_the_reef_from_where_the_vehicle_is_at_its_rate():
 
 def test_without_a_pose_there_is_no_image():
     clock = FakeClock()
-    assert SimulatedSonar(sonar(), lambda: None, 1.0, clock, clock.sleep).read() is None
+    assert simulated_sonar(sonar(), lambda: None, 1.0, **clock.timing).read() is None
 
 
 def test_the_camera_renders_where_the_vehicle_is_at_its_rate():
     scene, cfg, clock = Scene.from_world(load_world("s1")), CameraCfg(), FakeClock()
     pose = Pose(5.0, 5.0, 0.3)
-    camera = SimulatedCamera(scene, cfg, lambda: (clock.now - 0.05, pose), 10.0, clock, clock.sleep)
+    camera = simulated_camera(scene, cfg, lambda: (clock.now - 0.05, pose), 10.0, **clock.timing)
     shots = [camera.read() for _ in range(3)]
     assert [round(shot.stamp_s, 6) for shot in shots] == [-0.05, 0.05, 0.15]
     assert np.array_equal(shots[0].frame.depth, Camera(scene, cfg).render(pose).depth)
@@ -53,13 +54,13 @@ def test_the_camera_renders_where_the_vehicle_is_at_its_rate():
 def test_without_a_pose_there_is_no_picture():
     clock = FakeClock()
     scene = Scene.from_world(load_world("s1"))
-    assert SimulatedCamera(scene, CameraCfg(), lambda: None, 10.0, clock, clock.sleep).read() is None
+    assert simulated_camera(scene, CameraCfg(), lambda: None, 10.0, **clock.timing).read() is None
 
 
 def test_it_takes_colours_with_a_painter():
     scene, cfg, clock = Scene.from_world(load_world("s1")), CameraCfg(width=40, height=30), FakeClock()
     pose, painter = Pose(5.0, 5.0, 0.3), Painter(scene, cfg, "bay", seed=1)
-    camera = SimulatedCamera(scene, cfg, lambda: (100.0 + clock.now, pose), 10.0, clock, clock.sleep, painter)
+    camera = simulated_camera(scene, cfg, lambda: (100.0 + clock.now, pose), 10.0, painter=painter, **clock.timing)
     first, second = camera.read().frame, camera.read().frame
     assert np.array_equal(first.rgb, painter.paint(first, pose, t=0.0))
     assert not np.array_equal(first.rgb, second.rgb)
@@ -70,7 +71,7 @@ def test_noise_spoils_depth_and_classes_and_not_the_colours():
     noise = SensorNoise(SensorNoiseCfg(dropout=1.0), np.random.default_rng(0), cfg)
     painter = Painter(scene, cfg, "bay", seed=1)
     where = lambda: (100.0, Pose(5.0, 5.0, 0.3))  # noqa: E731
-    camera = SimulatedCamera(scene, cfg, where, 10.0, clock, clock.sleep, painter, noise)
+    camera = simulated_camera(scene, cfg, where, 10.0, painter=painter, noise=noise, **clock.timing)
     frame = camera.read().frame
     assert np.isinf(frame.depth).all()
     assert frame.rgb.std() > 1.0
@@ -80,7 +81,7 @@ def test_questions_get_stills():
     clock, cfg = FakeClock(), SimulatorCfg(stills=True)
     scene = Scene.from_world(load_world("s1"))
     where = lambda: (100.0, Pose(5.0, 5.0, 0.3))  # noqa: E731
-    camera = SimulatedCamera(scene, cfg.camera, where, 10.0, clock, clock.sleep, stills=make_stills(scene, cfg, 1))
+    camera = simulated_camera(scene, cfg.camera, where, 10.0, stills=make_stills(scene, cfg, 1), **clock.timing)
     frame = camera.read().frame
     assert frame.rgb is None
     assert frame.still().shape[:2] == (960, 1280)

@@ -32,10 +32,10 @@ def vehicle(*words):
 def operator():
     """Make a node that hears the survey's topics and calls its services."""
     import rclpy
+    from geometry_msgs.msg import PoseStamped
     from nav_msgs.msg import OccupancyGrid
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import String
-    from visualization_msgs.msg import Marker
 
     rclpy.init()
     node = rclpy.create_node("operator", namespace="/rov")
@@ -43,7 +43,7 @@ def operator():
     node.events, node.grids, node.goals = [], [], []
     node.create_subscription(String, "coral/events", lambda m: node.events.append(json.loads(m.data)), 100)
     node.create_subscription(OccupancyGrid, "coral/map", node.grids.append, latched)
-    node.create_subscription(Marker, "coral/goal/marker", node.goals.append, latched)
+    node.create_subscription(PoseStamped, "coral/goal", node.goals.append, latched)
     try:
         yield node
     finally:
@@ -98,7 +98,7 @@ def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path, word, rea
         call(node, "start")
         spin(node, lambda: any(event["event"] == "goal" for event in node.events), 60.0)
         spin(node, lambda: node.grids and {0, 100} <= set(node.grids[-1].data), 60.0)
-        spin(node, lambda: any((goal.ns, goal.action) == ("goal", 0) for goal in node.goals), 60.0)
+        spin(node, lambda: any(goal.header.frame_id == "map" for goal in node.goals), 60.0)
         call(node, word)
         assert process.wait(120.0) == 0
     metrics = json.loads((tmp_path / "run/metrics.json").read_text())

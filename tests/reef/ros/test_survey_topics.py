@@ -54,22 +54,19 @@ def test_the_instruction_is_a_topic_and_another_one_changes_it(monkeypatch):
     assert (refused["event"], "some words" in refused["reason"]) == ("instruction_refused", True)
 
 
-@pytest.mark.parametrize(("goal", "action"), [((3.0, 4.0), 0), (None, 2)])
-def test_the_goal_is_a_marker_that_goes_with_it(monkeypatch, goal, action):
+@pytest.mark.parametrize("goal", [(3.0, 4.0), None])
+def test_the_goal_is_told_if_there_is_one(monkeypatch, goal):
     def shape():
         point, turn = {"x": 0.0, "y": 0.0, "z": 0.0}, {"z": 0.0, "w": 1.0}
-        header, color = {"frame_id": "", "stamp": 0.0}, {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.0}
-        return message(header=header, pose={"position": point, "orientation": turn}, scale=point, color=color)
+        return message(header={"frame_id": "", "stamp": 0.0}, pose={"position": point, "orientation": turn})
 
-    made = dict.fromkeys(("visualization_msgs.msg.Marker", "geometry_msgs.msg.PoseStamped"), shape)
+    made = {"geometry_msgs.msg.PoseStamped": shape}
     monkeypatch.setattr(survey_topics, "ros_type", lambda name: made.get(name) or fake_type(name))
     node = FakeNode()
     topics = survey_topics.SurveyTopics("", OperatorWords(), node=node)
     topics._publish_goal(SimpleNamespace(belief=SimpleNamespace(goal=goal)))
-    topic, marker = node.sent[-1]
-    assert (topic, marker.ns, marker.action, marker.header.frame_id) == ("coral/goal/marker", "goal", action, "map")
-    assert (marker.pose.position.x, marker.pose.position.y) == (goal or (0.0, 0.0))
-    assert ("coral/goal" in dict(node.sent)) == (goal is not None)
+    told = [(topic, m.header.frame_id, m.pose.position.x, m.pose.position.y) for topic, m in node.sent]
+    assert told == ([] if goal is None else [("coral/goal", "map", 3.0, 4.0)])
 
 
 def test_a_survey_without_an_instruction_has_no_topic_to_change_it(monkeypatch):

@@ -24,7 +24,7 @@ from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointF
 
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
 from coral.reef.rehearsal.simulated_link import SimulatedLink
-from coral.reef.rehearsal.simulated_sensors import SimulatedCamera
+from coral.reef.rehearsal.simulated_sensors import simulated_camera
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.simulation.stills import make_painter
@@ -54,7 +54,7 @@ def main():
         cfg.vehicle, SurveyArea.of_world(world).start, depth_m=1.0, contact=lambda x, y: clearance(outlines, x, y)
     )
     painter = make_painter(scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
-    camera = SimulatedCamera(scene, cfg.camera, lambda: (0.0, link.true_pose()), painter=painter, sleep=lambda s: None)
+    camera = simulated_camera(scene, cfg.camera, lambda: (0.0, link.true_pose()), painter=painter, sleep=lambda s: None)
     odom, battery = node.create_publisher(Odometry, "odom", 1), node.create_publisher(BatteryState, "battery", 1)
     image, info = (
         node.create_publisher(Image, "camera/image_raw", 1),

@@ -12,8 +12,8 @@ from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.sea import ardusub
+from coral.reef.sea.latest_reading import Shot
 from coral.reef.sea.mavlink_link import MavlinkLink
-from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.survey_file import SurveyArea

@@ -9,9 +9,8 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.checklist import Equipment, StampRates, preflight_list
-from coral.reef.sea.latest_reading import LatestReading
+from coral.reef.sea.latest_reading import LatestReading, LatestShot, Shot
 from coral.reef.sea.link import VehicleReport
-from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from coral.reef.sea.frames import LocalFrame
+from coral.reef.sea.latest_reading import Shot
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
-from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Frame, Pose
 

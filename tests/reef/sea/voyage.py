@@ -16,8 +16,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.rehearsal.simulated_link import SimulatedLink
-from coral.reef.sea.latest_reading import LatestReading
-from coral.reef.sea.picture import Shot
+from coral.reef.sea.latest_reading import LatestReading, Shot
 from coral.reef.sea.real_time import IdleCollector
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.ros.heard_tree import HeardTree
-from coral.reef.sea.picture import Shot
+from coral.reef.sea.latest_reading import Shot
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.video_camera import WIDEST_PX, resized
 from coral.reef.vehicle.camera import CameraCfg

@@ -65,7 +65,6 @@ class SurveyTopics:
         self._path = make(ros_type("nav_msgs.msg.Path"), "coral/path", latched)
         self._oysters = make(ros_type("visualization_msgs.msg.MarkerArray"), "coral/oysters", latched)
         self._goal = make(ros_type("geometry_msgs.msg.PoseStamped"), "coral/goal", latched)
-        self._goal_marker = make(ros_type("visualization_msgs.msg.Marker"), "coral/goal/marker", latched)
         self._transform = MapTransform(ros)
         self._events = make(ros_type("std_msgs.msg.String"), "coral/events", 100)
         self._health = make(ros_type("diagnostic_msgs.msg.DiagnosticArray"), "diagnostics", 10)
@@ -152,17 +151,13 @@ class SurveyTopics:
         posed.pose.orientation.z, posed.pose.orientation.w = math.sin(theta / 2.0), math.cos(theta / 2.0)
         return posed
 
-    def _marker(self, space: str, x: float, y: float) -> Any:
-        marker = self._headed("visualization_msgs.msg.Marker")
-        marker.ns, marker.pose.position.x, marker.pose.position.y = space, float(x), float(y)
-        marker.pose.orientation.w = 1.0
-        return marker
-
     def _publish_oysters(self, run: SeaMission) -> None:
         markers = []
         for track in run.belief.tracks:
-            marker = self._marker("oysters", track.x, track.y)
-            marker.id, marker.type = int(track.index), 3  # a cylinder
+            marker = self._headed("visualization_msgs.msg.Marker")
+            marker.ns, marker.id, marker.type = "oysters", int(track.index), 3  # a cylinder
+            marker.pose.position.x, marker.pose.position.y = float(track.x), float(track.y)
+            marker.pose.orientation.w = 1.0
             marker.scale.x = marker.scale.y = max(0.3, float(track.length_m))
             marker.scale.z = 0.2
             marker.color.g, marker.color.a = 0.8, 0.6 if track.visited else 0.9
@@ -171,14 +166,8 @@ class SurveyTopics:
         self._oysters.publish(ros_type("visualization_msgs.msg.MarkerArray")(markers=markers))
 
     def _publish_goal(self, run: SeaMission) -> None:
-        marker = self._marker("goal", *(run.belief.goal or (0.0, 0.0)))
-        marker.type, marker.action = 2, 2  # a sphere; delete
         if run.belief.goal is not None:
             self._goal.publish(self._posed(*run.belief.goal, 0.0))
-            marker.action = 0
-            marker.scale.x = marker.scale.y = marker.scale.z = 0.5
-            marker.color.r, marker.color.b, marker.color.a = 0.9, 0.9, 0.9
-        self._goal_marker.publish(marker)
 
     def _publish_health(self, run: SeaMission) -> None:
         states, status = run.states, ros_type("diagnostic_msgs.msg.DiagnosticStatus")()
@@ -186,8 +175,8 @@ class SurveyTopics:
         status.name, status.hardware_id = "coral: survey", run.area.name
         status.level = ERROR if run.end_reason else OK if state == "surveying" else WARN
         status.message = run.end_reason or (f"{state}: {states.reason}" if states.reason else state)
-        count = run.ticks.rate.count
-        told = {"ticks": count.done, "late ticks": count.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
+        rate = run.ticks.rate
+        told = {"ticks": rate.done, "late ticks": rate.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
         told["tf"] = self._transform.told
         status.values = [
             ros_type("diagnostic_msgs.msg.KeyValue")(key=key, value=str(value)) for key, value in told.items()

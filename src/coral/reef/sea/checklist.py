@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from coral.check_line import CheckLine, level_of
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement, check_colours, check_range_image
-from coral.reef.sea.latest_reading import KEPT, LatestReading, rate_of, rate_told
+from coral.reef.sea.latest_reading import KEPT, LatestReading, LatestShot, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
-from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.sensing import HeardImage

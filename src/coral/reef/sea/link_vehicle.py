@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from coral.reef.sea.frames import LocalFrame
-from coral.reef.sea.latest_reading import LatestReading
+from coral.reef.sea.latest_reading import LatestReading, LatestShot
 from coral.reef.sea.link import VehicleLink, VehicleReport
-from coral.reef.sea.picture import LatestShot
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.sensing import Attitude, HeardImage, Stamped, VehicleObservation
 from coral.reef.world.geometry import Pose

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
 
 LATE_S = 0.1
 """A tick is late when its command goes out more than this after its deadline: a whole control period at 10 Hz."""
@@ -25,20 +24,6 @@ SPARE_S = 0.02
 """Least idle time for a collection; with less it waits for the next tick."""
 
 
-@dataclass
-class TickCount:
-    """How well the loop kept its rate."""
-
-    done: int = 0
-    """Ticks that were run."""
-    late: int = 0
-    """Ticks whose work ended more than `LATE_S` after their deadline, or that were left out altogether."""
-    skipped: int = 0
-    """Those of the late ticks that were left out, because their deadline had passed before the last one was done."""
-    ends_s: list[float] = field(default_factory=list)
-    """From each tick's deadline to the end of its work (s)."""
-
-
 class FixedRate:
     """Waits for deadlines `start + k * period`. An error of one wait does not shift the later ones.
 
@@ -52,21 +37,31 @@ class FixedRate:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.period_s = period_s
-        self.count = TickCount()
-        self._clock, self._sleep = clock, sleep
-        self._start = clock()
+        self.period_s, self._clock, self._sleep = period_s, clock, sleep
+        self.done = 0
+        """Ticks that were run."""
+        self.late = 0
+        """Ticks whose work ended more than `LATE_S` after their deadline, or that were left out altogether."""
+        self.skipped = 0
+        """Late ticks that were left out, because their deadline had passed before the last one was done."""
+        self.ends_s: list[float] = []
+        """From each tick's deadline to the end of its work (s)."""
+        self.start()
+
+    def start(self) -> float:
+        """Begin anew: the first deadline is now. Return it (s)."""
+        self._start = self._due = self._clock()
         self._next = 0
-        self._due = self._start
+        return self._start
 
     def wait(self) -> float:
         """Wait for the next deadline. Return its time since the loop began (s)."""
         now = self._clock()
         passed = int((now - self._start) / self.period_s + 1e-9)  # deadlines at or before now
-        if self.count.done and passed > self._next:
+        if self.done and passed > self._next:
             # The newest deadline that has passed is run at once, those before it are left out.
-            self.count.skipped += passed - self._next
-            self.count.late += passed - self._next
+            self.skipped += passed - self._next
+            self.late += passed - self._next
             self._next = passed
         self._due = self._start + self._next * self.period_s
         while (rest := self._due - self._clock()) > 1e-6:  # less is the clock's own resolution
@@ -82,9 +77,9 @@ class FixedRate:
     def finish(self) -> float:
         """Note that the tick's command is out. Return the time until the next deadline (s); negative if it passed."""
         behind = self.behind_s
-        self.count.done += 1
-        self.count.late += behind > LATE_S
-        self.count.ends_s.append(behind)
+        self.done += 1
+        self.late += behind > LATE_S
+        self.ends_s.append(behind)
         return self.period_s - behind
 
 
@@ -94,7 +89,7 @@ class RealTicks:
     def __init__(
         self, period_s: float, clock: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep
     ) -> None:
-        self._period_s, self._clock, self._sleep = period_s, clock, sleep
+        self._clock = clock
         self._t = self._began_s = self.now_s = 0.0
         self.woken_ms = 0
         """How late the present tick began (ms)."""
@@ -102,8 +97,7 @@ class RealTicks:
 
     def start(self) -> float:
         """Begin: the first tick is due now. Return the monotonic time (s)."""
-        self._began_s = self._clock()
-        self.rate = FixedRate(self._period_s, self._clock, self._sleep)
+        self._began_s = self.rate.start()
         return self._began_s
 
     def begin(self, step: int) -> tuple[float, float]:

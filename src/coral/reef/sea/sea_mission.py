@@ -29,11 +29,10 @@ from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.sea.frames import LocalFrame
-from coral.reef.sea.latest_reading import LatestReading
+from coral.reef.sea.latest_reading import LatestReading, LatestShot
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
 from coral.reef.sea.operator import OperatorWords, VehicleOrders
-from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_idle, prompt_threads
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyMonitor, SailCfg
@@ -199,9 +198,9 @@ class SeaMission(MissionLoop):
     def advance(self, idle: IdleCollector | None = None) -> None:
         """Run one control tick; `idle` may use what is left of its time."""
         super().advance()
-        late = self.ticks.rate.count.late
+        late = self.ticks.rate.late
         spare_s = self.ticks.rate.finish()
-        if self.ticks.rate.count.late > late:
+        if self.ticks.rate.late > late:
             behind_ms = round(1e3 * (self.ticks.rate.period_s - spare_s))
             control_ms = round(self.control_ms[-1])
             self.emit("late_tick", behind_ms=behind_ms, woken_ms=self.ticks.woken_ms, control_ms=control_ms)
@@ -336,14 +335,14 @@ class SeaMission(MissionLoop):
         return self._results()
 
     def _results(self) -> dict[str, Any]:
-        count, record = self.ticks.rate.count, self.record
+        rate, record = self.ticks.rate, self.record
         metrics = compute_metrics(record.folder) | {
             "judged_by": OWN_MAP if record.truth is None else TRUTH,
-            "late_ticks": count.late,
-            "skipped_ticks": count.skipped,
-            "ticks": count.done,
-            "worst_tick_ms": round(1e3 * max(count.ends_s, default=0.0), 1),
-            "tick_ms_p999": round(1e3 * float(np.percentile(count.ends_s or [0.0], 99.9)), 1),
+            "late_ticks": rate.late,
+            "skipped_ticks": rate.skipped,
+            "ticks": rate.done,
+            "worst_tick_ms": round(1e3 * max(rate.ends_s, default=0.0), 1),
+            "tick_ms_p999": round(1e3 * float(np.percentile(rate.ends_s or [0.0], 99.9)), 1),
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError, without_password
-from coral.reef.sea.picture import Shot
+from coral.reef.sea.latest_reading import Shot
 from coral.reef.vehicle.camera import CameraCfg
 
 OPEN_MS = 5000
