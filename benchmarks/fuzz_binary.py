@@ -137,7 +137,7 @@ def a_memory() -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "m.sqlite"
         memory = Memory(path)
-        memory.store.insert("2026-01-01T00:00:00+00:00", "{}", memory.embedder.name, memory.embedder.embed("push"))
+        memory.store.insert("2026-01-01T00:00:00+00:00", "{}")
         with sqlite3.connect(path) as base:
             base.execute("PRAGMA wal_checkpoint")
         base.close()

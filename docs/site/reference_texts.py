@@ -87,7 +87,7 @@ TASK_EVENTS = {
     "plan_answer": f"A plan or a repair (`kind`): its `code`, `explanation`, `advice` of the check; {_ASKED}.",
     "regions": f"Contact `regions`, by object and stage; {_ASKED}.",
     "candidates": "Points of `regions` that cannot be touched, and why.",
-    "recall": "A remembered plan was tried: `id`, `similarity`, `distance`, `embedder`, times `used` and `helped`, "
+    "recall": "A remembered plan was tried: `id`, `similarity`, `distance`, times `used` and `helped`, "
     "`outcome` of the imagined run and its time (`rehearsed_s`), why it was `refused`; `decided`, `source`.",
     "recall_repair": "The remembered plan was stuck, and its remembered repair was tried: why it was `refused`, its "
     "`explanation`; `decided`, `source`.",

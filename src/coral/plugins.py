@@ -22,8 +22,6 @@ GROUPS = {
     "coral.costs": "function of a Task that makes a cost, a Stage, several stages or a Strategy; NAME after --cost",
     "coral.hand_controllers": "function (planning world, configuration, generator) that makes a hand's controller; "
     "controller= in Python",
-    "coral.embedders": "class, or function without arguments, that makes an embedder of instructions; NAME after "
-    "--cfg.think.memory.embedder",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
     "coral.masks": "function (rest, trial, models of its objects by name) that makes a MaskSource; NAME[:REST] after "
     "--masks",

@@ -1,7 +1,6 @@
 import pytest
 
 from coral.contact.memory.memory import Experience, Memory
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 
@@ -28,7 +27,7 @@ def place(tmp_path):
 @pytest.fixture
 def memory(place):
     """A memory of one experience."""
-    memory = Memory(place("m"), embedder=HashedConcepts())
+    memory = Memory(place("m"))
     memory.add(experience())
     return memory
 

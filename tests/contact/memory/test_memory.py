@@ -8,13 +8,12 @@ import pytest
 from experiences import experience
 
 from coral.contact.memory.memory import Memory
-from coral.contact.memory.wording import HashedConcepts
 from coral.errors import InputError
 
 
 @pytest.fixture
 def memory(place):
-    return Memory(place("m"), embedder=HashedConcepts())
+    return Memory(place("m"))
 
 
 def test_what_succeeded_is_found_again(scene, memory):
@@ -130,36 +129,6 @@ def test_the_rate_of_success_counts_the_success_that_was_stored(scene, memory):
     assert rates == pytest.approx([2 / 3, 3 / 4, 3 / 5, 3 / 6])
 
 
-class Counting(HashedConcepts):
-    """Hashed concepts under a name of their own, that remember what they were asked for."""
-
-    def __init__(self, name="hashed-concepts"):
-        super().__init__()
-        self.name, self.texts = name, []
-
-    def embed(self, text):
-        self.texts.append(text)
-        return super().embed(text)
-
-
-@pytest.mark.parametrize(("name", "times"), [("hashed-concepts", 1), ("another", 3)])
-def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, name, times):
-    one = scene("pick-box")
-    for seed in range(2):
-        memory.add(experience(one, seed=seed))
-    asking = Counting(name)
-    found = Memory(memory.where, embedder=asking).find(one.facts)
-    assert [match.similarity for match in found] == pytest.approx([1.0, 1.0], abs=1e-5)
-    assert asking.texts == [one.facts["instruction"]] * times
-
-
-def test_a_vector_of_another_length_is_made_anew(scene, memory):
-    one = scene("pick-box")
-    memory.add(experience(one))
-    shorter = Memory(memory.where, embedder=HashedConcepts(size=64))
-    assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
-
-
 def test_what_is_forgotten_is_gone(scene, memory):
     number = memory.add(experience(scene("pick-box")))
     memory.forget(number)
@@ -172,15 +141,14 @@ def test_a_file_that_is_no_memory_is_refused(tmp_path):
     path = tmp_path / "x.sqlite"
     path.write_text("not a database, but long enough to be looked at as one" * 20)
     with pytest.raises(InputError, match="SQLite"):
-        Memory(path, embedder=HashedConcepts()).all()
+        Memory(path).all()
 
 
 WRITER = """
 import sys, json
 from pathlib import Path
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
-memory = Memory(sys.argv[1], embedder=HashedConcepts())
+memory = Memory(sys.argv[1])
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 while True:
     print(memory.add(one), flush=True)
@@ -218,8 +186,6 @@ def test_a_stored_row_that_says_nonsense_or_is_no_success_is_passed_over(scene, 
     memory.store.insert(
         "now",
         json.dumps({**made, **wrong}),
-        "hashed-concepts",
-        memory.embedder.embed(one.facts["instruction"]),
     )
     assert memory.all() == []
     assert memory.find(one.facts) == []
@@ -228,9 +194,8 @@ def test_a_stored_row_that_says_nonsense_or_is_no_success_is_passed_over(scene, 
 ADDER = """
 import sys
 from pathlib import Path
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
-memory = Memory(sys.argv[1], embedder=HashedConcepts())
+memory = Memory(sys.argv[1])
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 print("ready", flush=True)
 sys.stdin.readline()
@@ -276,7 +241,7 @@ def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scen
 
 
 def test_a_file_that_another_process_is_just_making_is_waited_for(scene, tmp_path, monkeypatch):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    memory = Memory(tmp_path / "m.sqlite")
     other = sqlite3.connect(tmp_path / "m.sqlite", isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     waited = []

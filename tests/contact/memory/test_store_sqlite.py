@@ -3,27 +3,18 @@
 import sqlite3
 from contextlib import closing
 
-import numpy as np
 import pytest
 
 from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 
 
-def test_a_vector_that_was_cut_is_read_as_far_as_it_goes(tmp_path):
-    store = SqliteStore(tmp_path / "m.sqlite")
-    store.insert("now", "{}", "e", np.array([0.25, -1.5], np.float32))
-    with closing(sqlite3.connect(store.path)) as base, base:
-        base.execute("UPDATE experience SET vector = substr(vector, 1, 7)")
-    assert store.rows()[0].vector.tolist() == [0.25]
-
-
 def test_the_number_of_a_deleted_row_is_not_given_again(tmp_path):
     store = SqliteStore(tmp_path / "m.sqlite")
     for number in (1, 2):
-        assert store.insert("now", "{}", "e", np.zeros(1, np.float32)) == number
+        assert store.insert("now", "{}") == number
     store.delete(2)
-    assert store.insert("now", "{}", "e", np.zeros(1, np.float32)) == 3
+    assert store.insert("now", "{}") == 3
 
 
 def test_reading_what_is_somebody_elses_does_not_write_into_it(tmp_path):
@@ -42,10 +33,6 @@ def test_a_file_that_another_process_has_only_begun_holds_nothing(tmp_path):
 
 ENDLESS = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n"
 FOREIGN = {
-    "a vector that is missing": "CREATE TABLE experience (id, created, record, embedder, vector, used, helped);"
-    "INSERT INTO experience VALUES (1, 'now', '{}', 'e', NULL, 0, 0)",
-    "a vector of text": "CREATE TABLE experience (id, created, record, embedder, vector, used, helped);"
-    "INSERT INTO experience VALUES (1, 'now', '{}', 'e', 'abc', 0, 0)",
     "a count of text": "CREATE TABLE experience (id, created, record, embedder, vector, used, helped);"
     "INSERT INTO experience VALUES (1, 'now', '{}', 'e', x'00', 'often', 0)",
     "a record of numbers": "CREATE TABLE experience (id, created, record, embedder, vector, used, helped);"
@@ -69,7 +56,7 @@ def test_a_file_with_foreign_content_is_one_line(what, tmp_path):
 def test_endless_work_of_a_file_is_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr("coral.contact.memory.store_sqlite.LONGEST_S", -1.0)
     store = SqliteStore(tmp_path / "m.sqlite")
-    store.insert("now", "{}", "e", np.zeros(2))
+    store.insert("now", "{}")
     with closing(sqlite3.connect(tmp_path / "m.sqlite")) as base:
         base.executescript(
             "CREATE TABLE sink (x);"

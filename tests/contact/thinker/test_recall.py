@@ -11,7 +11,6 @@ from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.hand_controllers import PlannerLimits
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.memory.memory import Memory, MemoryCfg, RememberedPlan
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.contact_regions import candidates
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process, make_strategy
 from coral.contact.plan.imagined_run import ImaginedOutcome
@@ -27,7 +26,7 @@ GOOD, THROUGH = ImaginedOutcome(True, 1.0, 1.0, 1.0), ImaginedOutcome(False, 1.0
 
 @pytest.fixture
 def memory(tmp_path):
-    return Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    return Memory(tmp_path / "m.sqlite")
 
 
 def choose(one, memory, outcomes=(), **cfg):

@@ -16,7 +16,6 @@ from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.worker import CostWorker
 from coral.contact.memory.memory import Memory, MemoryCfg
-from coral.contact.memory.wording import HashedConcepts
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
 from coral.contact.plan.imagined_run import ImaginedOutcome
 from coral.contact.scene.observation import HandTarget, Transition
@@ -190,10 +189,10 @@ def test_without_an_answer_nobody_takes_over_who_was_not_chosen(scene, policy, r
 def test_what_others_decided_is_not_remembered_as_the_advisors(scene, tmp_path):
     one = scene("pick-box")
     for advisor, kept in ((PlansOnly(), 0), (None, 1)):
-        memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedConcepts())
+        memory = Memory(tmp_path / f"{kept}.sqlite")
         strategist, _ = begun(one, advisor, memory)
         strategist.on_end("success")
-        assert len(memory.export()["experiences"]) == kept
+        assert len(memory.all()) == kept
 
 
 class OneFunction:
@@ -223,7 +222,7 @@ def test_a_models_refused_cost_is_mended_by_the_reason(scene):
 
 
 def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    memory = Memory(tmp_path / "m.sqlite")
     one = scene("pick-box")
     strategist, _ = begun(one, memory=memory)
     strategist.on_end("timeout")
@@ -240,7 +239,7 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
 
 @pytest.mark.parametrize("task", shipped_tasks())
 def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_again(scene, tmp_path, task):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    memory = Memory(tmp_path / "m.sqlite")
     one = scene(task)
     memory.add(experience(one))
     strategist, told = begun(one, memory=memory)
@@ -253,7 +252,7 @@ def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_agai
 def remembering(scene, tmp_path):
     """A scene, and a memory in which the rules' own plan for it is."""
     one = scene("pick-box")
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    memory = Memory(tmp_path / "m.sqlite")
     strategist, _ = begun(one, memory=memory)
     strategist.on_end("success")
     return one, memory
@@ -339,7 +338,7 @@ def test_a_success_by_a_remembered_repair_is_counted_and_not_stored_again(rememb
 
 def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     one = scene("pick-box")
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
+    memory = Memory(tmp_path / "m.sqlite")
     strategist, _ = begun(one, memory=memory, regions=False)
     strategist.on_end("success")
     assert memory.all() == []

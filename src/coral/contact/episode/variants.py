@@ -141,7 +141,7 @@ def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None
         think,
         np.random.default_rng([asking.seed, 3]),
         CostWorker(),
-        None if known is None else Memory(known, asking.think.memory),
+        None if known is None else Memory(known),
         {
             "world": asking.world,
             "seed": asking.seed,

@@ -23,7 +23,7 @@ from coral.contact.memory.goal_match import (
     translate_numbers,
 )
 from coral.contact.memory.store_sqlite import Row, SqliteStore
-from coral.contact.memory.wording import DEFAULT, Embedder, Vector, contradict, embedder_of
+from coral.contact.memory.wording import Vector, contradict, embed
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.scene.facts import SceneFacts
@@ -103,8 +103,6 @@ FAILURES = 3
 class MemoryCfg:
     """How experiences are retrieved."""
 
-    embedder: str = DEFAULT
-    """Embeds instructions: `concepts` (a small lexicon), or an entry point of the group `coral.embedders`."""
     rehearsed: Annotated[int, Field(ge=0)] = 3
     """Maximum number of plans tried in an imagined run. 0 follows the first that passes its checks, untried."""
 
@@ -117,11 +115,10 @@ class Memory:
     goal is offered; under `--variant paper`, too.
     """
 
-    def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
+    def __init__(self, where: str | Path) -> None:
         self.store = SqliteStore(Path(where))
         self.where = self.store.name
         """The location of the store, as a user writes it."""
-        self.embedder = embedder or embedder_of((cfg or MemoryCfg()).embedder)
 
     def add(self, experience: Experience) -> int:
         """Store a success; return its id.
@@ -132,8 +129,7 @@ class Memory:
         if not _is_verified(experience):
             expected = "success: true and the world that it was judged in"
             raise InputError("memory", "provenance", dict(experience.provenance), expected)
-        now, vector = datetime.now(UTC).isoformat(timespec="seconds"), self.embedder.embed(experience.instruction)
-        return self.store.insert(now, experience.model_dump_json(), self.embedder.name, vector)
+        return self.store.insert(datetime.now(UTC).isoformat(timespec="seconds"), experience.model_dump_json())
 
     def all(self) -> list[Stored]:
         """Return every readable experience, oldest first; a file of somebody else's is checked as what `add` stores."""
@@ -179,7 +175,7 @@ class Memory:
         that are left, similar wording, success in earlier uses and similar numbers come first. No similarity of the
         wording is required: a paraphrase may share no word.
         """
-        here = self.embedder.embed(facts["instruction"])
+        here = embed(facts["instruction"])
         found = []
         for stored in self.all():
             if stored.used - stored.helped >= FAILURES and not stored.helped:
@@ -209,14 +205,8 @@ class Memory:
         distance = scene_distance(before, numbers, frozenset(goals.names.values()))
         if distance > 1.0 or not _still_fits_hand(held, goals, before, numbers, facts):
             return None
-        similarity = float(np.dot(here, self._vector(stored, len(here))))
+        similarity = float(np.dot(here, embed(held.instruction)))
         return Match(stored, round(similarity, 4), round(distance, 4), goals)
-
-    def _vector(self, stored: Stored, size: int) -> Vector:
-        """Return the stored embedding, or a new one if another embedder made it."""
-        if stored.embedder == self.embedder.name and len(stored.vector) == size:
-            return stored.vector
-        return self.embedder.embed(stored.experience.instruction)
 
 
 def open_existing(file: str | Path) -> Memory:

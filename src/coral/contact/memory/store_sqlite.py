@@ -10,13 +10,10 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import Any
 
-import numpy as np
-
-from coral.contact.memory.wording import Vector
 from coral.errors import InputError
 from coral.foreign_file import open_sqlite, refuse_computed
 
@@ -24,11 +21,11 @@ BUSY_S = 30.0
 """Longest wait for other writers."""
 LONGEST_S = 30.0
 """Longest duration of one call; a trigger or view in a foreign file could ask for endless work."""
-COLUMNS = ("id", "created", "record", "embedder", "vector", "used", "helped")
-Columns = tuple[int, str, str, str, bytes, int, int]
+COLUMNS = {"id": int, "created": str, "record": str, "used": int, "helped": int}
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
     id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
     vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
+"""Version 0.2 kept a vector of the instruction, too; its columns stay, empty, so that either version reads the file."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +38,6 @@ class Row:
     """Time of storage, UTC."""
     record: str
     """The experience as JSON."""
-    embedder: str
-    """Name of the embedder of the vector."""
-    vector: Vector = field(compare=False, repr=False)
-    """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
     used: int = 0
     helped: int = 0
     """Number of uses, and number of uses that ended in success."""
@@ -64,12 +57,11 @@ class SqliteStore:
         """Return whether anything was ever written."""
         return self.path.is_file()
 
-    def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
+    def insert(self, created: str, record: str) -> int:
         """Write an unused row and return its number. The file is created if it does not exist."""
         with self._open(write=True) as base:
             row = base.execute(
-                "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
-                (created, record, embedder, vector.astype("<f4").tobytes()),
+                "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, '', x'')", (created, record)
             )
             return int(row.lastrowid or 0)
 
@@ -81,19 +73,17 @@ class SqliteStore:
             found = base.execute(f"SELECT {', '.join(COLUMNS)} FROM experience ORDER BY id").fetchall()
         return [self._row(values) for values in found]
 
-    def _row(self, values: tuple[object, ...]) -> Row:
+    def _row(self, values: tuple[Any, ...]) -> Row:
         """Decode a row and check that its columns have the types that this package writes.
 
         Raises:
             InputError: A column has another type.
         """
-        for column, kind, value in zip(COLUMNS, (int, str, str, str, bytes, int, int), values, strict=True):
+        for (column, kind), value in zip(COLUMNS.items(), values, strict=True):
             if not isinstance(value, kind):
                 shown = "nothing" if value is None else type(value).__name__
                 raise InputError(self.name, f"experience {values[0]}.{column}", shown, f"{kind.__name__} in every row")
-        number, created, record, embedder, blob, used, helped = cast(Columns, values)
-        vector = np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")  # another program may have truncated it
-        return Row(number, created, record, embedder, vector, used, helped)
+        return Row(*values)
 
     def delete(self, number: int) -> None:
         """Remove a row if it exists."""

@@ -148,7 +148,6 @@ class Recall:
             id=stored.id,
             similarity=one.match.similarity,
             distance=one.match.distance,
-            embedder=memory.embedder.name,
             used=stored.used,
             helped=stored.helped,
             rehearsed_s=0.0 if run is None else run.length_s,
