@@ -23,7 +23,7 @@ from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.real_scenes.cameras.camera_registry import CAMERAS
+from coral.contact.real_scenes.cameras.rgbd_camera import CAMERAS
 from coral.contact.real_scenes.masks.mask_source import MASKS
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.task import Task

@@ -16,8 +16,7 @@ import numpy as np
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import TRACKERS, choose_tracker
 from coral.contact.real_scenes.camera_pose_file import read_camera_pose
-from coral.contact.real_scenes.cameras.camera_registry import CAMERAS, make_camera_by_name
-from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
+from coral.contact.real_scenes.cameras.rgbd_camera import CAMERAS, make_camera_by_name, stream_frames
 from coral.contact.real_scenes.masks.mask_source import MASKS
 from coral.contact.real_scenes.object_tracking import track_objects
 from coral.contact.real_scenes.pose_picture import draw_poses

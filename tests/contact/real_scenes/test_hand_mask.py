@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.real_scenes.cameras.bare_frame import bare_frame
+from coral.contact.real_scenes.cameras.rgbd_camera import bare_frame
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.geometry import matrix_to_body, pose_matrix

@@ -9,7 +9,7 @@ from coral.contact.real_scenes.masks.colour_masks import ColourMasks, paint_regi
 from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
 from coral.contact.scene.geometry import pose_matrix
 
-MASKS = ColourMasks(paint_regions({"box": (200 / 255, 60 / 255, 40 / 255)}))
+MASKS = ColourMasks(paint_regions({"box": (200 / 255, 60 / 255, 40 / 255)}, "mine.yaml"))
 
 
 def test_an_object_is_found_followed_and_lost_without_masks():

@@ -1,5 +1,3 @@
-import dataclasses
-
 import numpy as np
 from painted_table import BOX, at, picture
 
@@ -23,11 +21,7 @@ def test_the_outline_lies_on_the_object():
     assert abs(columns.max() / 10 - inside_columns.max()) <= 2
 
 
-def test_a_lost_object_is_not_drawn_and_depth_replaces_colours():
+def test_a_lost_object_is_not_drawn_and_without_colours_all_else_is_black():
     frame, _ = picture(at(0.0, 0.0), colours=False)
     lost = {"box": PoseEstimate(at(0.0, 0.0), 0.0, lost=True)}
-    canvas = draw_poses(frame, {"box": BOX}, lost)
-    assert not green(canvas).any()
-    assert len(np.unique(canvas)) > 10
-    empty = dataclasses.replace(frame, depth=np.zeros_like(frame.depth))
-    assert not draw_poses(empty, {"box": BOX}, lost).any()
+    assert not draw_poses(frame, {"box": BOX}, lost).any()

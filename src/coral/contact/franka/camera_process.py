@@ -24,9 +24,8 @@ from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.real_scenes.camera_pose_file import read_camera_pose
-from coral.contact.real_scenes.cameras.camera_registry import make_camera_by_name
 from coral.contact.real_scenes.cameras.drawn_camera import DrawnRgbdCamera
-from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
+from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera, make_camera_by_name
 from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models, track_objects
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start

@@ -21,13 +21,10 @@ WIDTH = 960
 def draw_poses(
     frame: RgbdFrame, models: Mapping[str, ObjectModel], estimates: Mapping[str, PoseEstimate]
 ) -> NDArray[np.uint8]:
-    """Draw the outline and the name of each object that is not lost. Shape=(H, W, 3), RGB.
-
-    Without colours the depth is drawn, near things brighter.
-    """
+    """Draw the outline and the name of each object that is not lost, on black without colours. Shape=(H, W, 3), RGB."""
     camera = inverse_transform(frame.T_world_camera)
     grow = max(1, -(-WIDTH // frame.depth.shape[1]))
-    picture = frame.rgb if frame.rgb is not None else _grey(frame)
+    picture = frame.rgb if frame.rgb is not None else np.zeros((*frame.depth.shape, 3), np.uint8)
     canvas = cv2.resize(picture, None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
     for name, estimate in estimates.items():
         if estimate.lost:
@@ -43,12 +40,3 @@ def draw_poses(
             cv2.putText(canvas, name, shadow, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
             cv2.putText(canvas, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, _WHITE, 1, cv2.LINE_AA)
     return np.asarray(canvas, np.uint8)
-
-
-def _grey(frame: RgbdFrame) -> NDArray[np.uint8]:
-    seen = frame.depth > 0
-    if not seen.any():
-        return np.zeros((*frame.depth.shape, 3), np.uint8)
-    near, far = np.percentile(frame.depth[seen], (1, 99))
-    light = np.where(seen, 230 - 180 * ((frame.depth - near) / max(far - near, 1e-6)).clip(0, 1), 0).astype(np.uint8)
-    return np.repeat(light[..., None], 3, axis=2)

@@ -9,7 +9,6 @@ from coral.contact.real_scenes.masks.colour_masks import (
     hue_saturation_value,
     make_colour_masks,
     paint_regions,
-    read_colours,
 )
 from coral.errors import InputError
 
@@ -18,13 +17,13 @@ RED = tuple(value / 255 for value in PAINT)
 
 def test_the_paint_of_an_object_is_its_mask():
     frame, (truth,) = picture(at(0.0, 0.0))
-    mask = ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"]
+    mask = ColourMasks(paint_regions({"box": RED}, "mine.yaml")).segment(frame, {})["box"]
     assert overlap(mask, truth) > 0.9
 
 
 def test_shading_changes_nothing():
     frame, _ = picture(at(0.0, 0.0))
-    masks = ColourMasks(paint_regions({"box": RED}))
+    masks = ColourMasks(paint_regions({"box": RED}, "mine.yaml"))
     before = masks.segment(frame, {})["box"]
     frame.rgb[:, 40:] = (0.4 * frame.rgb[:, 40:]).astype(np.uint8)
     assert overlap(masks.segment(frame, {})["box"], before) > 0.95
@@ -32,16 +31,16 @@ def test_shading_changes_nothing():
 
 def test_of_several_patches_the_largest_counts():
     frame, (far, near) = picture(at(0.1, 0.09), at(-0.05, -0.07))
-    mask = ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"]
+    mask = ColourMasks(paint_regions({"box": RED}, "mine.yaml")).segment(frame, {})["box"]
     assert (mask & near).sum() > 0.8 * near.sum()
     frame.rgb[far] = 90
     frame.rgb[5:7, 5:7] = PAINT
-    assert not ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"][5:7, 5:7].any()
+    assert not ColourMasks(paint_regions({"box": RED}, "mine.yaml")).segment(frame, {})["box"][5:7, 5:7].any()
 
 
 def test_an_object_that_is_not_there_has_no_mask():
     frame, _ = picture()
-    assert not ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"].any()
+    assert not ColourMasks(paint_regions({"box": RED}, "mine.yaml")).segment(frame, {})["box"].any()
 
 
 def test_hues_go_around_through_red():
@@ -51,18 +50,19 @@ def test_hues_go_around_through_red():
 
 def test_two_objects_of_one_colour_are_refused():
     with pytest.raises(InputError, match=r"other: found the same colour, expected .* or --masks colour:FILE"):
-        paint_regions({"box": RED, "other": RED})
+        paint_regions({"box": RED, "other": RED}, "mine.yaml")
 
 
 def test_a_picture_without_colours_is_refused():
     frame, _ = picture(at(0.0, 0.0), colours=False)
     with pytest.raises(InputError, match="a picture without colours"):
-        ColourMasks(paint_regions({"box": RED})).segment(frame, {})
+        ColourMasks(paint_regions({"box": RED}, "mine.yaml")).segment(frame, {})
 
 
 def test_a_file_of_colours_is_read(tmp_path):
     (tmp_path / "colours.yaml").write_text("objects: {box: {hue_deg: [350, 15], saturation: [0.5, 1.0]}}")
-    assert read_colours(tmp_path / "colours.yaml") == {"box": ColourRegion(hue_deg=(350, 15), saturation=(0.5, 1.0))}
+    read = make_colour_masks(str(tmp_path / "colours.yaml"), None, {"box": None})
+    assert read.regions == {"box": ColourRegion(hue_deg=(350, 15), saturation=(0.5, 1.0))}
 
 
 def test_an_object_that_a_file_does_not_name_is_one_line(tmp_path):
@@ -83,16 +83,10 @@ def test_an_object_that_a_file_does_not_name_is_one_line(tmp_path):
 def test_a_broken_file_names_the_field(tmp_path, text, told):
     (tmp_path / "c.yaml").write_text(text)
     with pytest.raises(InputError, match=told):
-        read_colours(tmp_path / "c.yaml")
+        make_colour_masks(str(tmp_path / "c.yaml"), None, {"box": None})
 
 
 def test_hue_is_in_degrees():
     rgb = np.full((1, 1, 3), (0, 255, 0), np.uint8)
     frame = RgbdFrame(np.ones((1, 1), np.float32), np.zeros((1, 1), np.uint8), (), np.ones(4), np.eye(4), 0.0, rgb)
     assert hue_saturation_value(frame)[0, 0] == pytest.approx([120.0, 1.0, 1.0])
-
-
-def test_a_picture_without_colours_is_one_line():
-    frame = RgbdFrame(np.ones((1, 1), np.float32), np.zeros((1, 1), np.uint8), (), np.ones(4), np.eye(4))
-    with pytest.raises(InputError, match="--masks"):
-        hue_saturation_value(frame)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
+from coral.contact.real_scenes.cameras.rgbd_camera import bare_frame
+from coral.contact.real_scenes.cameras.undistortion import Undistortion
 from coral.contact.scene.observation import Array
 from coral.errors import InputError, nearest
 from coral.lens import check_lens

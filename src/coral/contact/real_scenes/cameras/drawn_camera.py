@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.real_scenes.cameras.bare_frame import bare_frame
+from coral.contact.real_scenes.cameras.rgbd_camera import bare_frame
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.observation import Array, Observation
 from coral.contact.scene.trial import Trial, sample_trial

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
-from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed
+from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed, bare_frame
+from coral.contact.real_scenes.cameras.undistortion import Undistortion
 from coral.contact.scene.observation import Array
 from coral.errors import InputError, first_line, install_extra
 

@@ -1,4 +1,4 @@
-"""The interface of a camera with colour and depth, and its pictures one after the other, with a limit on silence."""
+"""Cameras with colour and depth: the interface, the cameras by name, and pictures one after the other."""
 
 from __future__ import annotations
 
@@ -6,8 +6,20 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.scene.observation import Array
 from coral.errors import RunError
+from coral.plugins import named_plugin
+
+CAMERAS = {
+    "bag:FILE": "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
+    "realsense[:SERIAL]": "a RealSense with 640 x 480 pixels, 30 Hz, depth aligned to the colours (extra realsense)",
+    "drawn:TASK": "noisy drawn pictures of a task's scene as it begins, to practise with",
+}
+"""Description of each form of the value after `--camera`, as half a sentence."""
 
 SILENCE_S = 5.0
 """A live camera without a picture for this long has failed; some need seconds for the first one."""
@@ -48,6 +60,25 @@ class RgbdCamera(Protocol):
 
     def close(self) -> None:
         """Release the camera; never fails, and may be called again."""
+
+
+def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdCamera:
+    """Make the camera that NAME or NAME:REST names; it is not started yet. T_world_camera is None if it is not known.
+
+    Raises:
+        InputError: There is no such camera.
+    """
+    name, _, rest = word.partition(":")
+    made: RgbdCamera = named_plugin("coral.cameras", name, "--camera")(rest, T_world_camera)
+    return made
+
+
+def bare_frame(
+    depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None, lens: Array, placed: Array, time_s: float
+) -> RgbdFrame:
+    """Make a picture in which nothing has a name, of depth in metres, 0 or not finite where nothing was measured."""
+    measured = np.where(np.isfinite(depth) & (depth > 0), depth, 0.0).astype(np.float32)
+    return RgbdFrame(measured, np.zeros(measured.shape, np.uint8), (), lens, placed, time_s, rgb)
 
 
 def stream_frames(

@@ -67,7 +67,7 @@ class ColourMasks:
         return {name: clean_mask(region.contains(hsv)) for name, region in self.regions.items()}
 
 
-def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str = "--masks") -> dict[str, ColourRegion]:
+def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str) -> dict[str, ColourRegion]:
     """Return the regions of objects whose paint is known: red, green, blue, 0 to 1; `where` is its source, for errors.
 
     Raises:
@@ -88,15 +88,6 @@ def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str = 
     return regions
 
 
-def read_colours(path: Path) -> dict[str, ColourRegion]:
-    """Read a file of colours: `objects`, a mapping of names to regions.
-
-    Raises:
-        InputError: The file is missing or broken.
-    """
-    return read_model(path, ColoursFile).objects
-
-
 def make_colour_masks(file: str, trial: Trial, models: Mapping[str, ObjectModel]) -> ColourMasks:
     """Make the masks of a trial's objects, by the colours of a file, or of the task if it is "".
 
@@ -105,7 +96,7 @@ def make_colour_masks(file: str, trial: Trial, models: Mapping[str, ObjectModel]
     """
     if not file:
         return ColourMasks(paint_regions({name: trial.task.object(name).color for name in models}, trial.task.name))
-    regions = read_colours(Path(file))
+    regions = read_model(Path(file), ColoursFile).objects
     for name in models:
         if name not in regions:
             raise InputError(file, f"objects.{name}", "missing", f"an entry for each object: {', '.join(models)}")

@@ -1,4 +1,4 @@
-"""A picture as a camera delivers it: no masks, lens distortion removed."""
+"""Pictures without the distortion of their lens."""
 
 from __future__ import annotations
 
@@ -8,16 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.camera import RgbdFrame
 from coral.contact.scene.observation import Array
-
-
-def bare_frame(
-    depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None, lens: Array, placed: Array, time_s: float
-) -> RgbdFrame:
-    """Make a picture in which nothing has a name, of depth in metres, 0 or not finite where nothing was measured."""
-    measured = np.where(np.isfinite(depth) & (depth > 0), depth, 0.0).astype(np.float32)
-    return RgbdFrame(measured, np.zeros(measured.shape, np.uint8), (), lens, placed, time_s, rgb)
 
 
 class Undistortion:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
+from coral.contact.real_scenes.cameras.undistortion import Undistortion
 
 LENS = np.array([60.0, 60.0, 31.5, 23.5])
 BARREL = np.array([-0.2, 0.05, 0.001, 0.0, 0.0])
@@ -15,11 +15,6 @@ def distorted(x, y, d):
         x * radial + 2 * d[2] * x * y + d[3] * (r + 2 * x * x),
         y * radial + d[2] * (r + 2 * y * y) + 2 * d[3] * x * y,
     )
-
-
-def test_what_was_not_measured_is_zero():
-    depth = np.array([[1.0, np.nan, np.inf, -1.0]], np.float32)
-    assert bare_frame(depth, None, LENS, np.eye(4), 0.0).depth.tolist() == [[1.0, 0.0, 0.0, 0.0]]
 
 
 @pytest.mark.parametrize("inverse", [False, True])
