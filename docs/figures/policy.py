@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from coral.contact.policy.policy_episode import PolicyCameras, PolicyCamerasCfg
+from coral.contact.policy.policy_episode import PolicyCameras
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.panda.world import PandaWorld
@@ -23,7 +23,7 @@ def main() -> None:
     """Both pictures, one beside the other."""
     world = PandaWorld(sample_trial(load_task("pick-box"), 0))
     now = world.reset()
-    outside, wrist = PolicyCameras(world.model, PolicyCamerasCfg()).look(world.data, now.tool)
+    outside, wrist = PolicyCameras(world.model, 224).look(world.data, now.tool)
     gap = np.full((len(outside), 8, 3), 255, np.uint8)
     cv2.imwrite(str(IMAGE), np.concatenate([outside, gap, wrist], axis=1)[..., ::-1])
     world.close()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.policy_cfg import PolicyCamerasCfg, PolicyCfg
+from coral.contact.episode.policy_cfg import LiberoCfg, PolicyCfg
 from coral.contact.policy.address import Address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode, serving
 from coral.contact.tasks import load_task
@@ -21,7 +21,7 @@ def run(serve, patient, tmp_path):
 
     def start(*answer):
         server = serve(*answer)
-        cfg = EpisodeCfg(policy=PolicyCfg(eyes=PolicyCamerasCfg(pixels=16), client=patient))
+        cfg = EpisodeCfg(policy=PolicyCfg(libero=LiberoCfg(pixels=16), client=patient))
         address = Address("fake", server.url)
         return run_policy_episode(SHORT, cfg, tmp_path / "run", world="hand", address=address, seed=0), server
 

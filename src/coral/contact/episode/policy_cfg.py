@@ -27,28 +27,11 @@ class ClientCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PolicyCamerasCfg:
-    """Configuration of both cameras."""
-
-    pixels: Annotated[int, Field(ge=16, le=1024)] = 224
-    """Width and height (openpi's LIBERO example sends 224)."""
-    eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
-    target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
-    """Position and target of the camera across the table: LIBERO's "agentview" in our frame."""
-    vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
-    """Its field of view (MuJoCo's default, which LIBERO keeps)."""
-    wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
-    """Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x."""
-    wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
-    """Its field of view (robosuite's "eye_in_hand")."""
-    mirrored: bool = True
-    """Whether left and right are exchanged, as in LIBERO: it turns OpenGL's bottom-up rows by half a turn."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class LiberoCfg:
     """Scales and rates of the convention."""
 
+    pixels: Annotated[int, Field(ge=16, le=1024)] = 224
+    """Width and height of both pictures (openpi's LIBERO example sends 224)."""
     rate_hz: Positive = 20.0
     """Actions per second (LIBERO's control frequency)."""
     ticks: Count = 5
@@ -82,5 +65,3 @@ class PolicyCfg:
     """Deadlines and limits."""
     libero: LiberoCfg = field(default_factory=LiberoCfg)
     """Meaning of observations and actions."""
-    eyes: PolicyCamerasCfg = field(default_factory=PolicyCamerasCfg)
-    """The cameras."""

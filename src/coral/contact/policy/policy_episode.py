@@ -17,7 +17,6 @@ from coral.config import to_mapping
 from coral.contact.control.reactive import Reactive
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
-from coral.contact.episode.policy_cfg import PolicyCamerasCfg
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import make_referee
 from coral.contact.episode.trial_log import conditions_not_held, start_fields, write_head
@@ -37,6 +36,14 @@ from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
 
 Image = NDArray[np.uint8]
+EYE_M, TARGET_M = (0.8186, 0.0, 0.7104), (-0.0615, 0.0, 0.0)
+"""Position and target of the camera across the table: LIBERO's "agentview" in our frame."""
+VFOV_DEG = 45.0
+"""Its field of view (MuJoCo's default, which LIBERO keeps)."""
+WRIST_M = np.array([0.05, 0.0, -0.097])
+"""Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x."""
+WRIST_VFOV_DEG = 75.0
+"""Its field of view (robosuite's "eye_in_hand")."""
 
 
 class PolicyEpisode:
@@ -68,7 +75,7 @@ class PolicyEpisode:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
         self.referee = make_referee("truth", self.world, trial)
         self._data = self.world.simulation.data
-        self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
+        self.eyes = PolicyCameras(self.world.simulation.model, means.pixels)
         # Without rollouts there is no feedback; only the limits of the reactive control remain.
         low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
         self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)
@@ -182,41 +189,39 @@ class PolicyEpisode:
 
 
 class PolicyCameras:
-    """Takes both pictures of a simulated world, whose model is not changed.
+    """Takes both pictures of a simulated world, whose model is not changed; `pixels` wide and high.
 
     Raises:
-        InputError: The camera looks straight down, or the scene cannot be drawn.
+        InputError: The scene cannot be drawn.
     """
 
-    def __init__(self, model: mujoco.MjModel, cfg: PolicyCamerasCfg) -> None:
-        if np.allclose(cfg.eye_m[:2], cfg.target_m[:2]):
-            raise InputError("policy.eyes", "target_m", cfg.target_m, "a point that is not straight below the camera")
-        self._cfg = cfg
+    def __init__(self, model: mujoco.MjModel, pixels: int) -> None:
         hidden = covered_geoms(model)
 
         def camera(vfov_deg: float, near_m: float, pose: Array) -> RayCamera:
-            lens = RgbdCameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
+            lens = RgbdCameraCfg(width=pixels, height=pixels, vfov_deg=vfov_deg, near_m=near_m)
             return RayCamera(model, lens, pose, {}, colours=True, hidden=hidden)
 
-        self._outside = camera(cfg.vfov_deg, 0.05, look_at(cfg.eye_m, cfg.target_m))
-        self._wrist = camera(cfg.wrist_vfov_deg, 0.005, np.eye(4))
+        self._outside = camera(VFOV_DEG, 0.05, look_at(EYE_M, TARGET_M))
+        self._wrist = camera(WRIST_VFOV_DEG, 0.005, np.eye(4))
 
     def look(self, data: mujoco.MjData, tool: BodyState) -> tuple[Image, Image]:
-        """Take the pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
+        """Take the pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB, mirrored.
 
-        The state's kinematics are up to date.
+        LIBERO mirrors them: it turns OpenGL's bottom-up rows by half a turn. The state's kinematics are up to date.
         """
-        self._wrist.T_world_camera = wrist_pose(tool, np.asarray(self._cfg.wrist_m))
-        return self._take(self._outside, data), self._take(self._wrist, data)
-
-    def _take(self, camera: RayCamera, data: mujoco.MjData) -> Image:
-        picture = camera.take(data).rgb
-        assert picture is not None
-        return np.ascontiguousarray(picture[:, ::-1] if self._cfg.mirrored else picture)
+        self._wrist.T_world_camera = wrist_pose(tool)
+        return _mirrored(self._outside, data), _mirrored(self._wrist, data)
 
 
-def wrist_pose(tool: BodyState, place_m: Array) -> Array:
-    """Return T_world_camera, Shape=(4, 4), of a wrist's camera (x right, y down, z forward) at a place of the tool."""
+def _mirrored(camera: RayCamera, data: mujoco.MjData) -> Image:
+    picture = camera.take(data).rgb
+    assert picture is not None
+    return np.ascontiguousarray(picture[:, ::-1])
+
+
+def wrist_pose(tool: BodyState) -> Array:
+    """Return T_world_camera, Shape=(4, 4), of the wrist's camera (x right, y down, z forward)."""
     turn = rotation_of(tool.quaternion)
     axes = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    return pose_matrix(turn @ axes, tool.position + turn @ place_m)
+    return pose_matrix(turn @ axes, tool.position + turn @ WRIST_M)
