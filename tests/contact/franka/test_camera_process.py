@@ -16,11 +16,7 @@ from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.scene.observation import BodyState
 from coral.errors import InputError, RunError
 
-
-def thread(**words):
-    made = threading.Thread(**words)
-    made.kill = lambda: None
-    return made
+pytestmark = pytest.mark.usefixtures("in_threads")
 
 
 @pytest.fixture
@@ -64,7 +60,7 @@ class Stub:
 def started(job, stub, monkeypatch):
     prepare = camera_process._prepare
     monkeypatch.setattr(camera_process, "_prepare", lambda job: (prepare(job)[0], stub))
-    process = CameraProcess(job, thread)
+    process = CameraProcess(job)
     assert stub.tracked.wait(10.0)
     return process
 
@@ -89,11 +85,11 @@ def test_a_tracker_that_fails_says_why(job, monkeypatch):
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # it ends by SystemExit
 def test_a_wrong_camera_is_one_line(job, tmp_path):
     with pytest.raises(InputError, match="--camera"):
-        CameraProcess(dataclasses.replace(job, camera="kinect"), thread)
+        CameraProcess(dataclasses.replace(job, camera="kinect"))
     placed = "{format: coral-camera-pose/1, position_m: [0, 0, 0], quaternion: [1, 0, 0, 0]}"
     (tmp_path / "camera.yaml").write_text(placed)
     with pytest.raises(InputError, match="did you mean 'colour'"):
-        CameraProcess(dataclasses.replace(job, masks="color", camera_pose=tmp_path / "camera.yaml"), thread)
+        CameraProcess(dataclasses.replace(job, masks="color", camera_pose=tmp_path / "camera.yaml"))
 
 
 class Patient:
@@ -117,7 +113,7 @@ class Patient:
 def test_what_is_held_is_sent_in_the_tools_frame(job, poses, monkeypatch):
     camera, stub = Patient(), Stub()
     monkeypatch.setattr(camera_process, "_prepare", lambda job: (camera, stub))
-    process = CameraProcess(job, thread)
+    process = CameraProcess(job)
     for _ in range(2000):  # a slow tracker does not make the arm wait
         process.tell_hand(HandReading(np.eye(4), 0.05, 0.02))
     camera.allowed.set()

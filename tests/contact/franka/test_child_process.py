@@ -1,7 +1,5 @@
 """What a process tells the program before it works; a thread stands for it."""
 
-import threading
-
 import pytest
 
 from coral.contact.franka.child_process import ChildProcess, get_ready, leave_interrupts_to_the_program
@@ -14,8 +12,8 @@ def body(prepare, connection):
     assert connection.recv() == "end"
 
 
-def test_it_is_ready_with_what_it_made_and_ends():
-    child = ChildProcess("a child", body, (lambda: 21,), threading.Thread)
+def test_it_is_ready_with_what_it_made_and_ends(in_threads):
+    child = ChildProcess("a child", body, (lambda: 21,))
     assert child.answer == 42
     child.connection.send("end")
     child.end()
@@ -39,6 +37,6 @@ def fail():
         (lambda: 1 // 0, RunError, "^ZeroDivisionError: "),
     ],
 )
-def test_why_it_is_not_ready_is_told(prepare, error, told):
+def test_why_it_is_not_ready_is_told(in_threads, prepare, error, told):
     with pytest.raises(error, match=told):
-        ChildProcess("a child", body, (prepare,), threading.Thread)
+        ChildProcess("a child", body, (prepare,))

@@ -1,7 +1,5 @@
 """The handle of the simulated arm; the simulation itself is tested by `make test-franka`."""
 
-import threading
-
 import pytest
 from episodes import make_trial
 
@@ -25,10 +23,10 @@ def serve(trial, arm, speed, state, connection):
 
 
 @pytest.fixture
-def double(monkeypatch):
+def double(monkeypatch, in_threads):
     monkeypatch.setitem(__import__("sys").modules, "franky_sim", object())
     monkeypatch.setattr(module, "_serve", serve)
-    found = Double(make_trial(), FrankaCfg(), make_process=threading.Thread)
+    found = Double(make_trial(), FrankaCfg())
     yield found
     found.close()
 

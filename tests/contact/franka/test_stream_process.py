@@ -2,7 +2,6 @@
 
 import os
 import signal
-import threading
 import time
 
 import pytest
@@ -28,8 +27,8 @@ def wait(stream, ready):
     return found
 
 
-def test_it_starts_moves_stops_and_ends():
-    stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL, threading.Thread)
+def test_it_starts_moves_stops_and_ends(in_threads):
+    stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL)
     try:
         watched = wait(stream, lambda found: found.time_s > 0.01)
         assert watched.phase is Phase.WATCHING
@@ -45,9 +44,9 @@ def test_it_starts_moves_stops_and_ends():
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # it ends by SystemExit
-def test_an_arm_that_cannot_be_had_is_the_users_error():
+def test_an_arm_that_cannot_be_had_is_the_users_error(in_threads):
     with pytest.raises(InputError, match="--robot: found nobody, expected the address of an arm"):
-        StreamProcess(make_obedient_arm, "nobody", CFG, TRIAL, threading.Thread)
+        StreamProcess(make_obedient_arm, "nobody", CFG, TRIAL)
 
 
 def test_a_process_that_is_told_to_end_does_not_wait_for_the_program():

@@ -9,12 +9,10 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -64,10 +62,10 @@ class CameraProcess:
         InputError, RunError: The camera or the masks cannot be used.
     """
 
-    def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
+    def __init__(self, job: CameraJob) -> None:
         # No pipe for the hand: it would fill up, and the arm wait, while a tracker is slow.
         self._hand: SharedBlock[HandReading | None] = SharedBlock(None)
-        self.child = ChildProcess("the camera's process", _run, (job, self._hand), make_process)
+        self.child = ChildProcess("the camera's process", _run, (job, self._hand))
 
     def failure(self) -> str:
         """Return why tracking has ended; "" while it runs."""

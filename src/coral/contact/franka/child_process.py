@@ -20,20 +20,17 @@ class ChildProcess:
     """Starts a process and waits until it is ready; `what` it is, errors say.
 
     `body` runs in it, with `args`, which can be pickled, and its end of the pipe; it says by `get_ready` that it is
-    ready. In tests a thread is made instead.
+    ready.
 
     Raises:
         InputError, RunError: It cannot become ready.
     """
 
-    def __init__(
-        self, what: str, body: Callable[..., None], args: tuple[Any, ...], make_process: Callable[..., Any] | None
-    ) -> None:
+    def __init__(self, what: str, body: Callable[..., None], args: tuple[Any, ...]) -> None:
         self._what = what
         self.connection, self._theirs = Pipe()
-        self.process: Any = (make_process or get_context("spawn").Process)(
-            target=body, args=(*args, self._theirs), name=what, daemon=True
-        )
+        spawn: Any = get_context("spawn").Process
+        self.process = spawn(target=body, args=(*args, self._theirs), name=what, daemon=True)
         self.process.start()
         self.answer = self._await_start()
         """What the process told when it was ready."""
@@ -41,7 +38,7 @@ class ChildProcess:
     def end(self) -> None:
         """Wait a little until it has ended, or kill it."""
         self.process.join(_END_S)
-        if self.process.is_alive() and hasattr(self.process, "kill"):
+        if self.process.is_alive():
             self.process.kill()
             self.process.join(_END_S)
 

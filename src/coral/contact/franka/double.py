@@ -10,7 +10,6 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
@@ -78,16 +77,14 @@ class Double:
         RunError: It did not start.
     """
 
-    def __init__(
-        self, trial: Trial, arm: FrankaCfg, speed: float = 1.0, make_process: Callable[..., Any] | None = None
-    ) -> None:
+    def __init__(self, trial: Trial, arm: FrankaCfg, speed: float = 1.0) -> None:
         try:
             import franky_sim  # noqa: F401
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
         self.state: SharedBlock[Observation | None] = SharedBlock(None)
         """The true state, for a simulated camera and nobody else."""
-        self._child = ChildProcess("the simulated arm", _serve, (trial, arm, speed, self.state), make_process)
+        self._child = ChildProcess("the simulated arm", _serve, (trial, arm, speed, self.state))
         self.address: str = self._child.answer
 
     def send_poses_to(self, host: str, port: int) -> None:
@@ -97,11 +94,6 @@ class Double:
     def truth(self) -> Truth:
         """Return the true state, for the judge only."""
         found: Truth = self._ask(("truth", None))
-        return found
-
-    def peak_force_n(self) -> float:
-        """Return the largest true contact force on the hand since the last call, as one force."""
-        found: float = self._ask(("peak", None))
         return found
 
     def close(self) -> None:
@@ -149,7 +141,7 @@ class _Server:
 
         self._period_s, self._state, self._connection = 0.001 / speed, state, connection
         self._rng = np.random.default_rng([trial.seed, 7])
-        self._wrench, self._base, self._peak_n = np.zeros(6), np.asarray(arm.base_m), 0.0
+        self._wrench = np.zeros(6)
         self._sending: tuple[str, int] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         simulator = MujocoSimulator()
@@ -204,9 +196,7 @@ class _Server:
         return np.asarray(self._wrench + WRENCH_BIAS + noise)
 
     def _measure(self) -> None:
-        exact = self._scene.measure()
-        self._peak_n = max(self._peak_n, float(np.linalg.norm(exact[:3])))
-        self._wrench += (1.0 - np.exp(-0.001 / WRENCH_LAG_S)) * (exact - self._wrench)
+        self._wrench += (1.0 - np.exp(-0.001 / WRENCH_LAG_S)) * (self._scene.measure() - self._wrench)
 
     def _answer(self) -> bool:
         """Answer the program; return False if it wants the end."""
@@ -219,8 +209,6 @@ class _Server:
         answer: Any = None
         if question == "poses":
             self._sending = value
-        elif question == "peak":
-            answer, self._peak_n = self._peak_n, 0.0
         elif question == "truth":
             answer = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
         self._connection.send(("ok", answer))

@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
-from typing import Any
 
 from coral.contact.franka.child_process import ChildProcess, get_ready
 from coral.contact.franka.franky_arm import FrankyArm
@@ -38,21 +37,14 @@ class StreamProcess:
         InputError, RunError: The arm cannot be used.
     """
 
-    def __init__(
-        self,
-        make_arm: MakeArm,
-        address: str,
-        cfg: FrankaCfg,
-        trial: Trial,
-        make_process: Callable[..., Any] | None = None,
-    ) -> None:
+    def __init__(self, make_arm: MakeArm, address: str, cfg: FrankaCfg, trial: Trial) -> None:
         self._orders = Orders()
         self._orders_block, self._report_block = SharedBlock(self._orders), SharedBlock(StreamReport())
         self._lock = threading.Lock()
         self._reason = ""
         self._ended = threading.Event()
         args = (make_arm, address, cfg, trial, self._orders_block, self._report_block)
-        self.child = ChildProcess("the stream to the arm", _run, args, make_process)
+        self.child = ChildProcess("the stream to the arm", _run, args)
         self.poses_port: int = self.child.answer
         threading.Thread(target=self._beat, name="franka-beat", daemon=True).start()
 
