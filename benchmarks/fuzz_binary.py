@@ -55,7 +55,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.contact.franka.object_poses import parse_poses
     from coral.contact.libero.object_model import read_model
     from coral.contact.memory.memory import Memory
-    from coral.contact.real_scenes.masks.colour_masks import read_colours
+    from coral.contact.real_scenes.masks.colour_masks import make_colour_masks
     from coral.foreign_file import decode_picture, read_arrays, read_log_lines
     from coral.onnx_file import open_onnx
     from coral.reef.map.belief import BeliefCfg
@@ -86,7 +86,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         "picture": (lambda path: decode_picture(path.read_bytes()), pictures, (ValueError,), ""),
         "network": (open_onnx, ((home / "reef/eyes/weights/reef_net.onnx").read_bytes()[:KEPT],), refused, ".onnx"),
         "memory": (remembered, (a_memory(),), refused, ".sqlite"),
-        "colours": (read_colours, (COLOURS,), refused, ".yaml"),
+        "colours": (lambda path: make_colour_masks(str(path), None, {}), (COLOURS,), refused, ".yaml"),
         "object model": (read_model, (MODEL,), refused, ".xml"),
         "poses of a tracker": (lambda path: parse_poses(path.read_bytes()), (poses,), (), ""),
         "MAVLink": (vehicle_link, (heartbeats(),), (), ""),
