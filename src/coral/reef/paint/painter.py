@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.paint import caustics
-from coral.reef.paint.floor_kernels import SAND
-from coral.reef.paint.ground import SeaFloor
-from coral.reef.paint.materials import Materials
 from coral.reef.paint.motion_kernels import blur_motion
-from coral.reef.paint.noise_tiles import noise_tile
 from coral.reef.paint.shading_kernels import shade
 from coral.reef.paint.snow_kernels import CELL_M, draw_snow
+from coral.reef.paint.surface_kernels import SAND
+from coral.reef.paint.surfaces import Materials, SeaFloor, noise_tile
 from coral.reef.paint.water_kernels import attenuate, develop, transmission_table
 from coral.reef.simulation.daylight import PainterCfg, sun_direction
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera

@@ -8,9 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.paint.floor_kernels import floor_surface
-from coral.reef.paint.solid_kernels import solid_surface
-from coral.reef.paint.texture_kernels import FAST
+from coral.reef.paint.surface_kernels import FAST, floor_surface, solid_surface
 from coral.reef.world.scene import SceneSolids
 
 
@@ -53,7 +51,7 @@ def shade(
         ids: Shape=(H, W), index of the solid, -1 elsewhere.
         floor: Shape=(H, W), whether the pixel shows the sea floor.
         solids: N of them.
-        material: Shape=(N,), a constant of `solid_kernels`.
+        material: Shape=(N,), a constant of `surface_kernels`.
         paint: Shape=(N, 3), reflectance of each solid.
         fate: Shape=(N, 4), random numbers of each solid, 0 to 1.
         tile: Shape=(M, 4), as `noise_tile`.

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.paint.texture_kernels import FAST
+from coral.reef.paint.surface_kernels import FAST
 
 Rgb = tuple[float, float, float]
 ANISOTROPY = 0.7

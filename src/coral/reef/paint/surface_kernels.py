@@ -1,4 +1,7 @@
-"""The surfaces of solids: shells, rocks, wooden piles, concrete, painted balls."""
+"""The surfaces of a reef: the sea floor with its ripples, gravel and debris, and what solids are made of.
+
+All of them sample noise tiles, which is inlined.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,104 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.paint.texture_kernels import FAST, sample_tile, smooth_step
-
+TILE_PX = 512
+"""Edge of the finest level of a noise tile (texels)."""
+FAST = {"contract", "arcp", "afn", "nsz", "reassoc"}
+"""Without the flags that let the compiler forget infinity, which is the depth of open water."""
+_TEXELS = TILE_PX * TILE_PX
+SAND = (0.50, 0.44, 0.34)
+"""Reflectance of quartz sand with some shell, darkened by being wet."""
+RIPPLE_M = 0.17
+"""Distance between the crests of ripples; waves make them from 0.1 to 0.3 m apart in shallow water."""
 SHELL, ROCK, PILE, BLOCK, BUOY, CARD = range(6)
 """Materials: an oyster's shell, a rock, a wooden pile, a concrete block, a painted ball, an even gray card."""
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def sample_tile(
+    tile: NDArray[np.uint8], x: float, y: float, period: float, span: float
+) -> tuple[float, float, float, float]:
+    """Sample a tile of edge `period` (m) for a pixel that covers `span` (m): bilinear, on the level nearest to it."""
+    wide = span * TILE_PX / period
+    level = 0
+    while wide > 1.414 and level < 9:
+        wide *= 0.5
+        level += 1
+    n = TILE_PX >> level
+    start = (4 * _TEXELS - 4 * n * n) // 3
+    a, b = x / period * n, y / period * n
+    fa, fb = math.floor(a), math.floor(b)
+    j, i = int(fa), int(fb)
+    a, b = a - fa, b - fb
+    i0, i1, j0, j1 = (i & (n - 1)) * n, ((i + 1) & (n - 1)) * n, j & (n - 1), (j + 1) & (n - 1)
+    k00, k01, k10, k11 = start + i0 + j0, start + i0 + j1, start + i1 + j0, start + i1 + j1
+    unit = 1.0 / 255.0
+    w00, w01 = unit * (1.0 - a) * (1.0 - b), unit * a * (1.0 - b)
+    w10, w11 = unit * (1.0 - a) * b, unit * a * b
+    return (
+        w00 * tile[k00, 0] + w01 * tile[k01, 0] + w10 * tile[k10, 0] + w11 * tile[k11, 0],
+        w00 * tile[k00, 1] + w01 * tile[k01, 1] + w10 * tile[k10, 1] + w11 * tile[k11, 1],
+        w00 * tile[k00, 2] + w01 * tile[k01, 2] + w10 * tile[k10, 2] + w11 * tile[k11, 2],
+        w00 * tile[k00, 3] + w01 * tile[k01, 3] + w10 * tile[k10, 3] + w11 * tile[k11, 3],
+    )
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def smooth_step(low: float, high: float, x: float) -> float:
+    """Rise smoothly from 0 at `low` to 1 at `high`."""
+    t = min(max((x - low) / (high - low), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def floor_surface(
+    x: float,
+    y: float,
+    span: float,
+    debris: float,
+    sand: tuple[float, float, float],
+    tile: NDArray[np.uint8],
+) -> tuple[float, float, float, float, float, float]:
+    """Return reflectance (red, green, blue) and normal of a point of the sea floor.
+
+    `span` is what the pixel covers there (m), `debris` the density of shell debris, 0 to 1; `tile` as `noise_tile`.
+    """
+    # The same tile at three scales, turned against one another so that no repetition shows.
+    wide, wide_grain, _, _ = sample_tile(tile, 0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y, 9.7, span)
+    middle, middle_grain, _, pebble = sample_tile(tile, 0.96 * x + 0.28 * y, 0.96 * y - 0.28 * x, 2.3, span)
+    _, grain, flake, _ = sample_tile(tile, x, y, 1.1, span)
+    tilt_x = 0.35 * (middle_grain - 0.5) + 0.3 * (grain - 0.5)
+    tilt_y = 0.35 * (wide_grain - 0.5) - 0.3 * (grain - 0.5)
+    bright = 0.76 + 0.62 * wide + 0.4 * (middle - 0.5) + 0.7 * (grain - 0.5)
+    # Ripples: rows that bend with the noise and die out in patches and under debris.
+    fade = smooth_step(0.5, 0.2, span / RIPPLE_M) * smooth_step(0.34, 0.52, wide + 0.4 * (middle - 0.5))
+    fade *= 1.0 - 0.8 * debris
+    if fade > 0.01:
+        phase = 2.0 * math.pi / RIPPLE_M * (0.34 * x + 0.94 * y + 0.45 * wide + 0.12 * middle)
+        rise = math.sin(phase)
+        # Crests sharper than troughs; fine dark matter gathers in the troughs.
+        slope = 0.5 * fade * math.cos(phase) * (0.8 + 0.35 * rise)
+        tilt_x += 0.34 * slope
+        tilt_y += 0.94 * slope
+        bright -= 0.14 * fade * (0.5 - 0.5 * rise)
+    norm = 1.0 / math.sqrt(1.0 + tilt_x * tilt_x + tilt_y * tilt_y)
+    silt = smooth_step(0.52, 0.75, 1.0 - wide + 0.6 * (0.5 - middle))
+    red, green, blue = (
+        sand[0] * bright * (1.0 - 0.42 * silt),
+        sand[1] * bright * (1.0 - 0.35 * silt),
+        sand[2] * bright * (1.0 - 0.32 * silt),
+    )
+    gravel = smooth_step(0.35, 0.55, pebble) * smooth_step(0.54, 0.36, wide)
+    stone = 0.08 + 0.22 * pebble * (0.5 + grain)
+    red, green = red + gravel * (1.1 * stone - red), green + gravel * (stone - green)
+    blue += gravel * (0.9 * stone - blue)
+    # Fewer bits away from the reef; between them the mud that a reef gathers.
+    mud = 0.35 * debris
+    red, green, blue = red * (1.0 - mud), green * (1.0 - 0.92 * mud), blue * (1.0 - 0.95 * mud)
+    bit = (0.05 + 0.95 * debris) * smooth_step(0.36, 0.6, flake)
+    pale = 0.18 + 0.42 * flake * (0.7 + 0.6 * (middle_grain - 0.5))
+    red, green, blue = red + bit * (pale - red), green + bit * (0.95 * pale - green), blue + bit * (0.84 * pale - blue)
+    return max(red, 0.02), max(green, 0.02), max(blue, 0.015), -tilt_x * norm, -tilt_y * norm, norm
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
