@@ -17,7 +17,7 @@ EXCEPTIONS = {
     "contact/franka/shared_block.py": "no file: memory of processes that this program started, as their pipes are",
     "contact/franka/double_scene.py": "no file: XML that MuJoCo has just written",
     "interface/result.py": "copies the caller's own run to a new or empty folder",
-    "reef/recordings/perception.py": "a temporary folder of its own",
+    "reef/recordings/recorded_pictures.py": "a temporary folder of its own",
     "reef/sea/calibration_file.py": "text of read_text without definitions of its own, so that nothing expands",
     "reef/sea/saved_survey.py": "writes into memory",
     "yaml_file.py": "text of read_text, counted before anything is built of it",

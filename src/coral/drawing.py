@@ -35,6 +35,14 @@ def png(rgb: Image) -> bytes:
     return bytes(data)
 
 
+def jpeg(rgb: Image) -> bytes:
+    """Encode a colour picture as JPEG. Shape=(H, W, 3) RGB."""
+    done, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 92])
+    if not done:
+        raise ValueError(f"cannot encode a picture of shape {rgb.shape} and type {rgb.dtype}")
+    return bytes(data)
+
+
 def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
     """Encode indices into a palette, row 0 on top, as an indexed PNG, a few kilobytes for a whole map.
 

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
+from coral.drawing import jpeg, png
 from coral.errors import InputError
 from coral.lens import Lens, check_lens
-from coral.reef.recordings.picture_files import encode_jpeg, encode_png
 from coral.ros.camera_pictures import colours_in, lens_of, values_in
 from reef.ros.fake_ros import info
 
@@ -59,7 +59,7 @@ def test_yuv_is_read():
 
 
 def test_compressed_colours_are_read():
-    message = SimpleNamespace(format="jpeg", data=np.frombuffer(encode_jpeg(np.repeat(RED, 8, 0)), np.uint8))
+    message = SimpleNamespace(format="jpeg", data=np.frombuffer(jpeg(np.repeat(RED, 8, 0)), np.uint8))
     assert np.abs(colours_in(message, "x").astype(int) - (200, 30, 10)).max() < 12
 
 
@@ -69,7 +69,7 @@ def test_depth_keeps_its_values_in_both_byte_orders_and_behind_a_header():
     np.testing.assert_array_equal(values_in(plain("mono16", depth.byteswap(), big=1), "x", "depth"), depth)
     metres = np.array([[1.5, np.nan]], np.float32)
     np.testing.assert_array_equal(values_in(plain("32FC1", metres), "x", "depth"), metres)
-    packed = b"\0" * 12 + encode_png(depth)
+    packed = b"\0" * 12 + png(depth)
     message = SimpleNamespace(format="16UC1; compressedDepth png", data=np.frombuffer(packed, np.uint8))
     np.testing.assert_array_equal(values_in(message, "x", "depth"), depth)
 
@@ -77,7 +77,7 @@ def test_depth_keeps_its_values_in_both_byte_orders_and_behind_a_header():
 def test_a_depth_of_32_bits_is_kept_as_inverse_depths():
     a, b = 101.0, 1.5
     raw = np.array([[0, 50, 10_000]], np.uint16)
-    packed = struct.pack("<iff", 0, a, b) + encode_png(raw)
+    packed = struct.pack("<iff", 0, a, b) + png(raw)
     message = SimpleNamespace(format="32FC1; compressedDepth png", data=np.frombuffer(packed, np.uint8))
     np.testing.assert_allclose(values_in(message, "x", "depth"), [[np.nan, a / 48.5, a / 9998.5]], rtol=1e-6)
 

@@ -23,8 +23,8 @@ from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.bag_recording import BagTopics
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.recordings.lens_check import check_lens
-from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import is_run, true_reef
 from coral.reef.world.world import ReefWorld

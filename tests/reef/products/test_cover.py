@@ -23,7 +23,7 @@ from coral.reef.products.cover import (
 )
 from coral.reef.products.seen_points import find_points, lens_of, transform_of
 from coral.reef.products.truth import true_oysters
-from coral.reef.recordings.picture_files import NO_OBJECTS
+from coral.reef.recordings.recorded_pictures import NO_OBJECTS
 from coral.reef.world.geometry import Frame, Label
 from coral.reef.world.world import load_world
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from coral.reef.recordings.lens_check import check_lens, check_run_lens, fit_lens, floor_error
-from coral.reef.recordings.picture_files import NO_OBJECTS
+from coral.reef.recordings.recorded_pictures import NO_OBJECTS
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Frame, Pose

@@ -11,10 +11,10 @@ pytest.importorskip("pymavlink")
 from autopilot_logs import START_S, dataflash, dataflash_dive, message, telemetry, telemetry_dive
 from given_eyes import FlatEyes
 
+from coral.drawing import jpeg
 from coral.errors import InputError
 from coral.reef.recordings.find_recording import find_recording
-from coral.reef.recordings.perception import PicturePerception
-from coral.reef.recordings.picture_files import encode_jpeg
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.view.mp4 import write_mp4
 
 CAMERA = "width: 8\nheight: 6\nhfov_deg: 90\n"
@@ -26,7 +26,7 @@ def dive(folder, log="dive.tlog", content=None, camera=CAMERA + "altitude_m: 1.2
     (folder / log).write_bytes(made if content is None else content)
     (folder / "camera.yaml").write_text(camera)
     for after in (0.5, 1.1, 9.0):
-        (folder / f"{START_S + after}.jpg").write_bytes(encode_jpeg(np.zeros((6, 8, 3), np.uint8)))
+        (folder / f"{START_S + after}.jpg").write_bytes(jpeg(np.zeros((6, 8, 3), np.uint8)))
     return folder
 
 

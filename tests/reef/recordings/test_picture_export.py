@@ -7,8 +7,8 @@ from survey_runs import write_run
 
 from coral.errors import InputError
 from coral.reef.recordings.find_recording import find_recording
-from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_export import export_pictures
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.recordings.run_recording import read_run
 
 

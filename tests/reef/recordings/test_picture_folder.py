@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from given_eyes import FlatEyes
 
+from coral.drawing import jpeg
 from coral.errors import InputError
-from coral.reef.recordings.perception import PicturePerception
-from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import read_folder
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
@@ -33,7 +33,7 @@ def test_pictures_and_poses_of_a_run_are_such_a_folder(survey_run):
 
 def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
     path = folder(tmp_path, "t,lat,lon,heading,rgb\n0,45.0,9.0,0,a.jpg\n60,45.001,9.001,90,a.jpg\n")
-    (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
+    (path / "a.jpg").write_bytes(jpeg(np.zeros((3, 4, 3), np.uint8)))
     recording = read_folder(path, CAMERA, PicturePerception(FlatEyes(), "flat"))
     first, second = (one.pose for one in recording.keyframes())
     assert first == pytest.approx((0.0, 0.0, math.pi / 2), abs=1e-6)
@@ -83,14 +83,14 @@ def test_a_picture_that_is_missing_is_named(tmp_path):
 
 def test_colour_alone_needs_eyes(tmp_path):
     path = folder(tmp_path, "t,x,y,yaw,rgb\n0,1,2,0,a.jpg\n")
-    (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
+    (path / "a.jpg").write_bytes(jpeg(np.zeros((3, 4, 3), np.uint8)))
     with pytest.raises(InputError, match="found colour pictures only, expected --perception rgb, painted"):
         list(read_folder(path, CAMERA).keyframes())
 
 
 def test_eyes_see_colour_pictures_even_where_the_folder_has_classes(survey_run, tmp_path):
     path = folder(tmp_path, "t,x,y,z,yaw,pitch,labels,depth,rgb\n0,1,2,0.7,0,0.1,gone.png,gone.png,a.jpg\n")
-    (path / "a.jpg").write_bytes(encode_jpeg(np.full((3, 4, 3), 90, np.uint8)))
+    (path / "a.jpg").write_bytes(jpeg(np.full((3, 4, 3), 90, np.uint8)))
     eyes = FlatEyes()
     (one,) = read_folder(path, CAMERA, PicturePerception(eyes, "flat")).keyframes()
     assert (one.frame.labels == 3).all()

@@ -8,12 +8,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import IO, Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.drawing import png
+from coral.drawing import jpeg, png
 from coral.errors import naming
 from coral.file_writer import open_log
 from coral.reef.eyes.doubt import pack_doubt
@@ -156,7 +155,7 @@ class FrameRecorder:
         names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", ""]
         if frame.rgb is not None:
             names[2] = f"{step:06d}_rgb.jpg"
-            self._writer.bytes(f"{SurveyFiles.FRAMES}{names[2]}", _jpeg(frame.rgb))
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{names[2]}", jpeg(frame.rgb))
         if taken_at is not None:
             if frame.doubt is not None:
                 names[3] = f"{step:06d}_doubt.png"
@@ -172,10 +171,3 @@ class FrameRecorder:
                 self._poses.write(",".join(POSE_COLUMNS) + "\n")
             values = (t, at.pose.x, at.pose.y, at.height_m, at.roll, at.pitch, at.pose.theta, *at.odometry)
             self._poses.write(",".join([*(f"{v:.9g}" for v in values), *names]) + "\n")
-
-
-def _jpeg(rgb: NDArray[np.uint8]) -> bytes:
-    ok, encoded = cv2.imencode(".jpg", rgb[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 92])
-    if not ok:
-        raise RuntimeError("a picture could not be encoded as JPEG")
-    return encoded.tobytes()

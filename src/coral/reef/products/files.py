@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.drawing import png
 from coral.file_writer import write_whole
 from coral.reef.products import product_files
 from coral.reef.products.geotiff import write_geotiff
@@ -23,7 +24,6 @@ from coral.reef.products.layer_files import (
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.survey_products import SurveyProducts
-from coral.reef.recordings.picture_files import encode_png
 
 NOTHING = -9999.0
 CLUSTER_COLUMNS, SHELL_COLUMNS, DENSITY_COLUMNS = (
@@ -41,7 +41,7 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
         OSError: A file cannot be written.
     """
     _write_rasters(products, placement, folder)
-    write_whole(folder / ProductFiles.CELLS, encode_png(products.cells.cells()))
+    write_whole(folder / ProductFiles.CELLS, png(products.cells.cells()))
     layers = make_layers(products, placement)
     write_geopackage(folder / ProductFiles.SURVEY, layers, placement)
     if placement.datum is not None:
@@ -50,7 +50,7 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     write_table(folder / ProductFiles.DENSITIES, DENSITY_COLUMNS, [feature.values for feature in layers[1].features])
     write_table(folder / ProductFiles.SHELLS, SHELL_COLUMNS, _shells(products))
     for name, picture in zip(picture_names(products), products.pictures, strict=True):
-        write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
+        write_whole(folder / name, png(picture.image))
     write_whole(
         folder / ProductFiles.NUMBERS, (json.dumps(summary(products, placement, lens), indent=2) + "\n").encode()
     )

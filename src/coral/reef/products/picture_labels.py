@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
+from coral.drawing import jpeg
 from coral.file_writer import write_whole
 from coral.reef.products.layer_files import write_table
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.seen_points import lens_of, transform_of
-from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.world.geometry import Label
 
@@ -53,7 +53,7 @@ def write_labels(recording: Recording, count: int, cfg: LabelsCfg, folder: Path)
         if k % step:
             continue
         name = f"{recording.name}_{k:06d}.jpg"
-        write_whole(folder / name, encode_jpeg(rgb))
+        write_whole(folder / name, jpeg(rgb))
         number = len(images) + 1
         images.append({"id": number, "file_name": name, "width": rgb.shape[1], "height": rgb.shape[0]})
         for one in find_outlines(keyframe.frame.labels):

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.drawing import jpeg, png
 from coral.reef.eyes.doubt import pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
-from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
+from coral.reef.recordings.recorded_pictures import encode_depth
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
 from coral.ros.bag_writer import BagWriter, open_bag
@@ -119,13 +120,13 @@ class _SurveyWriter:
     def _pictures(self, keyframe: PosedFrame) -> None:
         frame, t = keyframe.frame, keyframe.t
         pictures = [
-            ("/camera/depth/compressed", "16UC1; png compressed", encode_png(encode_depth(frame.depth))),
-            ("/camera/classes/compressed", "mono8; png compressed", encode_png(frame.labels)),
+            ("/camera/depth/compressed", "16UC1; png compressed", png(encode_depth(frame.depth))),
+            ("/camera/classes/compressed", "mono8; png compressed", png(frame.labels)),
         ]
         if frame.rgb is not None:
-            pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
+            pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", jpeg(frame.rgb)))
         if frame.doubt is not None:
-            doubt = encode_png(pack_doubt(frame.doubt))
+            doubt = png(pack_doubt(frame.doubt))
             pictures.append(("/camera/doubt/compressed", "mono8; png compressed", doubt))
         for topic, kind, content in pictures:
             self._picture(topic, kind, content, t)

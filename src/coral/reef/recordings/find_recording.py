@@ -7,8 +7,8 @@ from pathlib import Path
 from coral.errors import InputError
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.log_recording import find_log, read_log_folder
-from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, read_folder
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
 from coral.reef.sea.recorded_camera import read_camera

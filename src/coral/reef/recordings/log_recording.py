@@ -8,8 +8,8 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.recordings.autopilot_log import SUFFIXES, UNIX_S, read_log, tell_span
-from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import Row, placed_pictures
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.recordings.timed_pictures import TimedPictures, find_pictures
 from coral.reef.sea.recorded_camera import RecordedCamera

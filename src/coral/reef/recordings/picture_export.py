@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from coral.config import read_yaml
+from coral.drawing import jpeg
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.foreign_file import read_text
 from coral.limits import TABLE_BYTES
-from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import Recording
 from coral.reef.vehicle.camera import CameraCfg
@@ -41,7 +41,7 @@ def export_pictures(recording: Recording, path: Path) -> dict[str, int]:
             if one.frame.rgb is None:
                 found = f"no colour picture at {one.t:g} s"
                 raise InputError(recording.source, "", found, "a run with --cfg.simulator.pictures")
-            write_whole(folder / name, encode_jpeg(one.frame.rgb))
+            write_whole(folder / name, jpeg(one.frame.rgb))
             rows.append(_row(one.t, one.pose, one.height_m, one.roll, one.pitch, name))
         _write(folder, rows, recording.camera)
     return {"pictures": len(rows) - 1}

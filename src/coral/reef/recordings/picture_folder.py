@@ -15,8 +15,7 @@ from coral.foreign_file import read_head, read_orientation, read_text
 from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.recordings.local_plane import MOST_DEGREES, LocalPlane
-from coral.reef.recordings.perception import PicturePerception, recorded_frame
-from coral.reef.recordings.picture_files import read_picture
+from coral.reef.recordings.recorded_pictures import PicturePerception, read_picture, recorded_frame
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Pose, wrap

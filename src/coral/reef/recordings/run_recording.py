@@ -10,8 +10,8 @@ from typing import Any
 from coral.config import merge, read_yaml
 from coral.errors import MALFORMED, InputError
 from coral.reef.map.mapping import MapCfg
-from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import read_folder
+from coral.reef.recordings.recorded_pictures import PicturePerception
 from coral.reef.recordings.recording import RECORDED, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
