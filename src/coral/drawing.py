@@ -26,7 +26,7 @@ _SUBPIXEL = 4
 """Fractional bits of the coordinates for OpenCV's anti-aliased drawing."""
 
 
-def png(rgb: Image) -> bytes:
+def png(rgb: Image | NDArray[np.uint16]) -> bytes:
     """Encode a picture as PNG. Shape=(H, W, 3) RGB, (H, W, 4) RGBA or (H, W) grey, uint8 or uint16."""
     stored = rgb[..., [2, 1, 0, *range(3, rgb.shape[2])]] if rgb.ndim == 3 else rgb
     done, data = cv2.imencode(".png", stored, [cv2.IMWRITE_PNG_COMPRESSION, 4])

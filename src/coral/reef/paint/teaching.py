@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
+from typing import Any
 
 import cv2
 import numpy as np
@@ -165,7 +166,7 @@ def _paint_some(job: tuple[int, int, int, tuple[int, int]]) -> PaintedReefs:
     """Paint pictures of some reefs; the seed is of reefs, poses, water and light."""
     seed, reefs, pictures, size = job
     rng = np.random.default_rng([seed, 0xE1E5])
-    taken = []
+    taken = list[tuple[NDArray[Any], ...]]()
     for number in range(reefs):
         scene = _make_scene(FIRST_SEED + 1000 * seed + number, rng)
         for first in range(0, pictures, _A_DAY):
