@@ -43,7 +43,7 @@ ROWS = [
         mission("full", world, seed),
         mission("dream", world, seed, coverage=0.5, collisions=2 + seed, covered_at_s=[100.0, 300.0]),
         mission("no-ddp", world, seed),
-        mission("lawnmower", world, seed, advisor="none", coverage=0.25, advisor_calls=0),
+        mission("frontier", world, seed, advisor="none", coverage=0.25, advisor_calls=0),
     )
 ]
 
@@ -111,7 +111,7 @@ def test_a_variant_without_an_advisor_stands_beside_every_advisor():
     rows = [*ROWS, *(dict(row, advisor="sloppy:malformed=0.3:heuristic") for row in ROWS if row["variant"] == "full")]
     everything = [table for table in reef_tables(rows, ABOUT, "x") if table.name == "All variants"]
     assert len(everything) == 2
-    assert all(any(row[0] == "lawnmower survey" for row in table.rows) for table in everything)
+    assert all(any(row[0] == "frontier exploration" for row in table.rows) for table in everything)
     assert "simulated mistakes, no foundation model" in everything[1].caption
 
 

@@ -113,3 +113,17 @@ def test_effects_put_all_conditions_side_by_side():
     )
     row = next(row for row in effects.rows if row[0] == "w/o self-verification")
     assert [cell.split(" [")[0] for cell in row[1:]] == ["+40", "+450", "+400", "+300"]
+
+
+def test_a_check_stands_beside_itself_left_out_and_worse_missions_are_counted():
+    rows = [row for row in ROWS if row["overrides"] == "{}"]
+    rows += [mission("clairvoyant", world, advisor="none", soon=70.0) for world in ("l1", "s1")]
+    without = {"l1": 50.0, "s1": 65.0}
+    rows += [mission("clairvoyant-unchecked", world, advisor="none", soon=soon) for world, soon in without.items()]
+    table = next(table for table in reef_tables(rows, ABOUT, "coral reef bench") if table.name == "Verification")
+    found = {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
+    assert set(found) == {"CORAL (full)", "clairvoyant advisor"}
+    one = found["clairvoyant advisor"]
+    assert (one["pairs"], one["worse missions"]) == ("2", "1")
+    assert (one["to 90 %, at most 600 s (s)"], one["to 90 %, at most 600 s (s), without"]) == ("70", "58")
+    assert found["CORAL (full)"]["worse missions"] == "0"

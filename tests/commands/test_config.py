@@ -44,7 +44,7 @@ def test_one_key_is_explained(told, key):
 
 
 def test_who_refuses_a_key_is_told(told):
-    assert "  not read, and refused, by: coral reef sail" in told("reef", "lane_m").splitlines()
+    assert "  not read, and refused, by: coral reef sail" in told("reef", "simulator.stills").splitlines()
 
 
 @pytest.mark.parametrize(

@@ -301,7 +301,7 @@ def study(puddle, tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "out"
     words = ["reef", "bench", "--study", "--worlds", str(puddle), "--variants", "full,blind-sweep", "--out", str(out)]
     words += ["--advisors", "heuristic,sloppy:0.6:heuristic", "--cfg.time-limit-s", "2", "--quiet", "--json", "--mix"]
-    words += ["--cfg.simulator.noise.depth-sigma", "0"]
+    words += ["--seeds", "0", "--presets", "clear,hard", "--cfg.simulator.noise.depth-sigma", "0"]
     with contextlib.redirect_stdout(io.StringIO()) as told:
         assert main(words) == 0
     return words, out, json.loads(told.getvalue())
@@ -357,11 +357,13 @@ def test_a_study_of_missions_in_words_has_both_halves_in_three_waters():
 
 def test_a_study_has_its_own_defaults_and_flags_change_them():
     made = ReefBench.from_file(["--study"])
-    assert made.presets == "clear,hard"
+    assert (made.presets, made.seeds) == ("clear,bay,hard", "0-2")
+    assert made.cfg.time_limit_s == 757.0
     assert made.advisors == "heuristic,sloppy:0.3:heuristic,sloppy:0.6:heuristic"
-    assert {"dream", "pd", "full", "no-verification", "random", "blind-sweep", "oracle"} <= set(
+    assert {"dream", "pd", "full", "no-verification", "random", "constant", "clairvoyant-unchecked"} <= set(
         made.variants.split(",")
     )
+    assert {"lawnmower", "blind-sweep", "oracle"} <= set(made.variants.split(","))
     assert made.cfg.stop_when_covered is False
     assert ReefBench.from_file(["--study", "--cfg.stop-when-covered"]).cfg.stop_when_covered is True
 

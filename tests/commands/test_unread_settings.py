@@ -19,7 +19,6 @@ from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.world.world import load_world
 from coral.surface import described
-from reef.sea import voyage
 
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
 MISSIONS = (
@@ -35,6 +34,7 @@ RARE = {
     "belief.visit_radius_m": "map/belief.py",
     "controller.recovery_speed_m_s": "drive/controller.py",
     "belief.inspect.confirmed": "map/belief.py",
+    "lane_m": "mission/assembly.py",
     "map.doubt": "eyes/doubt.py",
     "map.sight": "map/sight_layer.py",
     "pilot.action_s": "pilot/pilot.py",
@@ -110,7 +110,10 @@ OF_THE_COMMAND = (
 """What `coral reef sail` reads before and after the survey, when it opens the camera and the sonar, and to resume."""
 
 
+@pytest.mark.wing("coral.reef.rehearsal")
 def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypatch):
+    from reef.sea import voyage
+
     small = {"camera": {"width": 64, "height": 48}, "sonar": {"enabled": True}}
     cfg = merge(MissionCfg(), {"simulator": small, "localization": {"drift_xy": 0.01}}, "here")
     monkeypatch.setattr(voyage, "MissionCfg", lambda **values: cfg)
@@ -167,9 +170,9 @@ def test_an_action_refuses_the_flags_that_it_does_not_read(action):
     ("words", "said"),
     [
         (
-            "reef sail s1 --cfg.lane-m 3",
-            "coral reef sail: --cfg.lane-m: found a setting that it never reads, expected nothing: no blind sweep is "
-            "driven in real time",
+            "reef sail s1 --cfg.simulator.stills",
+            "coral reef sail: --cfg.simulator.stills: found a setting that it never reads, expected nothing: a camera "
+            "at sea has its own pictures",
         ),
         (
             "reef eyes train --perception rgb",
@@ -195,7 +198,7 @@ def test_the_command_line_refuses_it_in_one_line(capsys, words, said):
 
 def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
     file = tmp_path / "a.yaml"
-    file.write_text("lane_m: 10\ntime_limit_s: 20\n")
+    file.write_text("simulator: {stills: false}\ntime_limit_s: 20\n")
     assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
     file.write_text("driver: pd\n")
     with pytest.raises(InputError, match=r"--cfg.driver=pd: --cfg.controller.costs.goal: found"):
@@ -209,6 +212,6 @@ def test_groups_and_who_refuses_them():
     with pytest.raises(InputError, match=r"--cfg.simulator.stills"):
         refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy", "simulator.stills"])
     refuse_unread("reef run", ["driver"])
-    assert refused_by("lane_m") == ["reef sail"]
+    assert refused_by("simulator.stills") == ["reef sail"]
     assert refused_by("record.video") == ["reef bench"]
     assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here"), MissionCfg()) == ["map.obstacles"]

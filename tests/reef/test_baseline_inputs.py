@@ -58,7 +58,7 @@ def test_the_whole_system_is_asked_with_the_chain(pond, tmp_path):
     assert "Orange dots with numbers" in questions[-1].prompt
 
 
-@pytest.mark.parametrize("variant", ["dream", "rule-based", "rule-based-dots-only", "frontier", "lawnmower", "random"])
+@pytest.mark.parametrize("variant", ["dream", "rule-based", "rule-based-dots-only", "frontier", "constant", "random"])
 def test_no_rules_step_in_for_a_baseline(variant):
     def policy(fallback):
         cfg = dataclasses.replace(QUIET, pilot=dataclasses.replace(QUIET.pilot, fallback=fallback))

@@ -72,9 +72,11 @@ INSPECTED = column_measure("inspected", "inspected (%)", "inspected", 100.0)
 TIME_TO_90 = column_measure("time_to_90", "to 90 % (s)", "time_to_90_s", digits=0)
 RESTRICTED = Measure("time_to_90_restricted", f"to 90 %, at most {HORIZON_S:.0f} s (s)", _restricted, 0)
 ORACLE_RATIO = column_measure("oracle_ratio", "× oracle, to 90 %", "oracle_ratio_90", digits=2)
+REFUSED = Measure("refused", "answers refused (%)", _refused)
 INSPECTION = (
     column_measure("imaged", "imaged (%)", "imaged", 100.0),
     INSPECTED,
+    *(column_measure(f"at_{s}", f"after {s} s (%)", f"inspected_at_{s}_s", 100.0) for s in (45, 60, 90)),
     column_measure("auc", "area under the curve (%)", "inspected_auc", 100.0),
     column_measure("time_to_50", "to 50 % (s)", "time_to_50_s", digits=0),
     column_measure("time_to_80", "to 80 % (s)", "time_to_80_s", digits=0),
@@ -85,7 +87,7 @@ INSPECTION = (
     column_measure("own_end", "to its own end (s)", "sim_time_s", digits=0),
     column_measure("all_covered", "to the paper’s coverage (s)", "all_covered_s", digits=0),
     column_measure("idle", "standing still (%)", "idle_fraction", 100.0),
-    Measure("refused", "answers refused (%)", _refused),
+    REFUSED,
     Measure("late", "calls after everything was inspected (%)", _late),
     column_measure("path_deviations", "deviations of the path", "path_deviations"),
     column_measure("phantoms", "phantom clusters", "phantom_clusters"),
@@ -113,14 +115,27 @@ TABLE_II = (
     *("no-cost-to-go", "no-cost-to-go-no-ddp", "no-topology"),
 )
 TABLE_III = ("L", "S", "O", "K", "E")
-BASELINES = ("blind-sweep", "random", "random-unchecked", "oracle")
-"""Lines of every table that compares variants, if they ran: blind survey, random choice with and without checks, upper
-bound."""
+UNCHECKED = {
+    "full": "no-verification",
+    "clairvoyant": "clairvoyant-unchecked",
+    "random": "random-unchecked",
+    "constant": "constant-unchecked",
+}
+"""Variants with the check of answers, and the same without it."""
+BASELINES = ("lawnmower", "blind-sweep", *list(UNCHECKED)[1:], *list(UNCHECKED.values())[1:], "oracle")
+"""Lines of every table that compares variants, if they ran: classical and blind surveys, advisors that know all or
+nothing with and without checks, upper bound."""
 REFERENCE = "full"
 ALL_MISSIONS = {"coverage": "94.28", "efficiency": "11.26", "calls": "54.7"}
 """The paper's means over all topologies."""
-LAST_LINE = "Paper, last line: from its Tables I and II, calls per environment."
 UNTOLD = "≈: the interval contains zero, so these missions do not distinguish the difference from chance."
+WORSE_SHARE, WORSE_S = 0.02, 10.0
+"""With the check a mission is worse if it inspects less by this share, or as much, and 90 % later by this time (s)."""
+GATE_NOTE = (
+    "Each mission with the check beside the same world and seed without it. Worse: less was inspected by more than "
+    f"{100 * WORSE_SHARE:.0f} points, or as much, and 90 % more than {WORSE_S:.0f} s later. {UNTOLD}"
+)
+LAST_LINE = "Paper, last line: from its Tables I and II, calls per environment."
 DIFFERENCE = (
     "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
     f"seeded bootstrap that draws whole worlds. {UNTOLD}"
@@ -135,10 +150,11 @@ INSPECTION_NOTES = (
     "that number. Inspected: mean share of the clusters’ oyster area that the true camera had in its picture at "
     "pixels of 0.05 m or less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of "
     f"inspected; at most {HORIZON_S:.0f} s: with {HORIZON_S:.0f} s for missions that never got there.",
-    "Random: the whole system with a random advisor; no checks: whatever it draws is driven to. Blind sweep: straight "
-    "lanes, through whatever is in the way. Oracle: a tour with the true reef, at cruise speed, without inertia; a "
-    "heuristic, not a proven optimum. Oracle and blind sweep continue to their own end; the other missions only with "
-    "--cfg.no-stop-when-covered.",
+    "Random, constant, clairvoyant: the whole system with an advisor that draws lots, always says the same, or knows "
+    "the true clusters; no checks: wherever it says is driven to. Lawnmower: lanes planned before, driven around what "
+    "is on the map. Blind sweep: straight lanes, through whatever is in the way. Oracle: a tour with the true reef, at "
+    "cruise speed, without inertia; a heuristic, not a proven optimum. Oracle and blind sweep continue to their own "
+    "end; the other missions only with --cfg.no-stop-when-covered.",
 )
 SWEEP_MEANS = (
     "One key is changed at a time; nominal: none. 95 % intervals from a seeded bootstrap that draws whole "
@@ -234,10 +250,42 @@ def _nominal_tables(rows: Sequence[Row], advisor: str, source_of: Callable[..., 
     intervals = (missions, *(measure.interval() for measure in inspection))
     seen = "What was inspected, and how soon: means per mission."
     add("Inspection", seen, "variant", judged, intervals, *INSPECTION_NOTES)
+    checked = [
+        Group(name(variant), found[variant], found[other])
+        for variant, other in UNCHECKED.items()
+        if variant in found and other in found
+    ]
+    add("Verification", "With the check of answers and without it.", "advisor", checked, GATE, GATE_NOTE)
     means = (missions, *(measure.mean() for measure in EVERYTHING))
     add("All variants", "Means per mission.", "variant", list(groups.values()), means, time_note)
     decided = decided_table(list(groups.values()), f"Who decided, and what it cost. {who}", source, runs="missions")
     return [table for table in (*tables, decided) if table.rows]
+
+
+def _without(column: Column) -> Column:
+    """Return the same column of the missions without the check."""
+    return Column(f"{column.label}, without", lambda group: column.text(replace(group, rows=group.reference)))
+
+
+def _worse(group: Group) -> str:
+    """Count the missions that are worse with the check."""
+    without = {pair(row): row for row in group.reference}
+    worse = 0
+    for row in group.rows:
+        other = without.get(pair(row))
+        ours, theirs = (None, None) if other is None else (_restricted(row), _restricted(other))
+        if other is None or ours is None or theirs is None:
+            continue
+        gained = row["inspected"] - other["inspected"]
+        worse += gained < -WORSE_SHARE or (gained <= WORSE_SHARE and ours > theirs + WORSE_S)
+    return str(worse)
+
+
+GATE = (
+    *(PAIRS, INSPECTED.mean(), _without(INSPECTED.mean()), RESTRICTED.mean(), _without(RESTRICTED.mean())),
+    *(RESTRICTED.difference(), COLLISIONS.mean(), _without(COLLISIONS.mean()), REFUSED.mean()),
+    Column("worse missions", _worse),
+)
 
 
 def _beside_paper(measures: Sequence[Measure], more: Sequence[Measure]) -> list[Column]:

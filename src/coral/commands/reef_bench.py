@@ -91,9 +91,9 @@ class ReefBench(CampaignCommand):
     """With --advisors desk: folder in which the questions of one mission after the other wait for a reader outside."""
     presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
     study: Annotated[tuple[str, ...] | None, Option(metavar="[words]")] = None
-    """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
-    and hard water, each mission to its own end. words: missions in words, both halves, in three waters. Flags change
-    these defaults."""
+    """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in three
+    waters with three seeds, each mission to its own end or to 757 s. words: missions in words, both halves, in three
+    waters. Flags change these defaults."""
     sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, the water's speed (m/s), or a key of
     the configuration. If given several times, each key is swept separately."""
@@ -117,6 +117,7 @@ class ReefBench(CampaignCommand):
         if "--study" in words:
             study = STUDY_IN_WORDS if list(words[words.index("--study") + 1 :][:1]) == ["words"] else STUDY
             cfg = cfg if "stop_when_covered" in given else replace(cfg, stop_when_covered=False)
+            cfg = cfg if "time_limit_s" in given or study is STUDY_IN_WORDS else replace(cfg, time_limit_s=DREAM_S)
         return cls(**study, cfg=cfg, given=given, typed=tuple(words))
 
     def __call__(self) -> Mapping[str, Any]:
@@ -205,10 +206,13 @@ SHOWN_OF_ONE = ("Missions in words", "Sweep", "By world", "All variants")
 STUDY: dict[str, Any] = {
     "variants": ",".join(dict.fromkeys((*TABLE_I, *TABLE_II, *BASELINES))),
     "advisors": "heuristic,sloppy:0.3:heuristic,sloppy:0.6:heuristic",
-    "presets": "clear,hard",
+    "presets": "clear,bay,hard",
+    "seeds": "0-2",
     "out": Path("runs/study"),
 }
 """Defaults of the flags with `--study`."""
+DREAM_S = 757.0
+"""Time limit of a mission of the study (s): DREAM gets the 126 calls that the paper's had, one in 6 s (Table I)."""
 STUDY_IN_WORDS: dict[str, Any] = {
     "variants": "full,geometry,keywords,lawnmower,random,oracle",
     "worlds": "words:all:0-3,words:all:100-103",

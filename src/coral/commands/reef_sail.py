@@ -213,9 +213,9 @@ class ReefSail(SailFlags):
         if self.lens is not None and self.camera == "simulated":
             expected = "a real camera (--cfg.simulator.camera is the simulated)"
             raise InputError("--lens", "", "--camera simulated", expected)
-        if cfg.decider in ("sweep", "oracle"):
+        if cfg.decider in ("clairvoyant", "sweep", "oracle"):
             found = f"{cfg.decider}, which only a simulation has"
-            raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")
+            raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, constant, lawnmower or random")
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
             kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"
             raise InputError("--cfg.time-limit-s", "", f"{cfg.time_limit_s:g} s", kept)

@@ -35,7 +35,6 @@ UNREAD: dict[str, dict[str, str]] = {
     "reef run": _AT_SEA,
     "reef bench": {"record": "nothing: it keeps no pictures and no report", **_AT_SEA},
     "reef sail": {
-        "lane_m": "nothing: no blind sweep is driven in real time",
         "simulator.stills": "nothing: a camera at sea has its own pictures",
     },
     **dict.fromkeys(("reef run --cfg.driver=pd", "reef bench --cfg.driver=pd", "reef sail --cfg.driver=pd"), _PD),

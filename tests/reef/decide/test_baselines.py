@@ -1,4 +1,3 @@
-import math
 from collections import Counter
 
 import numpy as np
@@ -49,15 +48,8 @@ def test_the_same_seed_draws_the_same_lots():
     assert again != [a.selected_centroid_index for a in draw("reef-centroid", seed=4, count=20)]
 
 
-def test_lanes_are_followed_in_a_mission_in_words_and_end_at_home():
-    rule = baseline_rules("lawnmower")["reef-mission"]
-    pose = {"x": 2.0, "y": 2.0, "theta": 0.0}
-    steps = [
-        {"forward_m": f, "left_m": s, "path_m": math.hypot(f, s)} for f in (-4, 0, 4) for s in (-4, 0, 4) if f or s
-    ]
-    mission = {"home": {"forward_m": 5.0, "left_m": 0.0}}
-    facts = {"arrival": {"pose": pose}, "area_m": (12.0, 12.0), "options": steps, "mission": mission}
-    assert rule(facts, []).waypoint.forward_m == 4
-    done = {**facts, "options": []}
-    assert rule(done, []).home
-    assert rule({**done, "mission": {"home": {"forward_m": 1.0, "left_m": 0.0}}}, []).done
+def test_a_constant_advisor_says_the_same_whatever_it_is_shown():
+    rules = baseline_rules("constant")
+    assert rules["reef-centroid"](FACTS, []).selected_centroid_index == 0
+    step = rules["reef-waypoint"](FACTS, [Rejection(code="no", reason="no")])
+    assert (step.forward_m, step.left_m) == (5, 0)

@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.mission.outcome import DEFINITIONS, area_under, driven_back, excursions, outcome_metrics, time_to
+from coral.reef.mission.outcome import (
+    DEFINITIONS,
+    area_under,
+    driven_back,
+    excursions,
+    outcome_metrics,
+    share_at,
+    time_to,
+)
 
 
 def test_times_and_area_of_a_curve_by_hand():
@@ -81,6 +89,9 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         "time_to_80_s": 0.2,
         "time_to_90_s": 0.2,
         "time_to_100_s": None,
+        "inspected_at_45_s": 0.9,
+        "inspected_at_60_s": 0.9,
+        "inspected_at_90_s": 0.9,
         "inspected_auc": area_under(np.array([0, 0.1, 0.2, 0.3]), np.array([0, 0.5, 0.9, 0.9])),
         "oracle_ratio_90": 2.0,
         "idle_fraction": round(2 / 3, 4),
@@ -109,3 +120,9 @@ def test_a_run_cut_off_in_a_line_or_without_a_judge_is_told_as_far_as_it_goes(tm
     found = outcome_metrics(tmp_path, [], rows([(0, 0)], [(0, 0)], [0.3]))
     assert (found["inspected"], found["time_to_50_s"], found["idle_fraction"]) == (None, None, 0.0)
     json.dumps(found, allow_nan=False)
+
+
+def test_the_share_at_a_budget_is_the_last_one_before_it():
+    t, share = np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.4, 0.7])
+    assert [share_at(t, share, at) for at in (0.0, 1.5, 2.0, 9.0)] == [0.0, 0.4, 0.7, 0.7]
+    assert share_at(np.array([]), np.array([]), 9.0) is None

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -9,7 +10,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.record import RecordCfg
-from coral.reef.mission.tour import drive_lines, lanes
+from coral.reef.mission.tour import LanesPilot, along, drive_lines, lanes
 from coral.reef.mission.variants import apply_variant
 from coral.reef.simulation.imaging import ImagingCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -31,6 +32,21 @@ def test_lanes_lie_evenly_and_leave_nothing_farther_than_half_a_spacing():
 def test_lanes_begin_at_the_corner_next_to_the_start():
     assert lanes((20, 20), 10.0, Pose(2, 3, 0)).tolist() == [[2, 3], [1, 5], [19, 5], [19, 15], [1, 15]]
     assert lanes((20, 20), 10.0, Pose(18, 17, 0)).tolist() == [[18, 17], [19, 15], [1, 15], [1, 5], [19, 5]]
+
+
+def test_points_along_lanes_are_near_each_other_and_end_where_the_lanes_do():
+    points = along(np.array([(0.0, 0.0), (0.0, 9.0), (4.0, 9.0)]), 4.0)
+    assert points == [(0.0, 3.0), (0.0, 6.0), (0.0, 9.0), (4.0, 9.0)]
+
+
+def test_a_lawnmower_drives_around_what_stands_on_its_lanes(pond, tmp_path):
+    cfg = apply_variant("lawnmower", dataclasses.replace(QUIET, lane_m=5.0))
+    mission = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
+    assert isinstance(mission.pilot, LanesPilot)
+    found = mission.run()
+    assert (found["end_reason"], found["advisor_calls"], found["collisions"]) == ("all lanes are done", 0, 0)
+    assert found["distance_m"] > 0.4 * found["sim_time_s"]
+    assert found["coverage"] == 1.0
 
 
 def test_a_unicycle_drives_arcs_of_circles():

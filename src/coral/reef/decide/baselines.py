@@ -14,7 +14,6 @@ import numpy as np
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, MissionAnswer, WaypointChoice, WaypointStep
-from coral.reef.world.geometry import Pose, to_robot
 
 Fact = Mapping[str, Any]
 
@@ -47,64 +46,6 @@ def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCh
     return _towards(facts, aim["forward_m"], aim["left_m"], rejections, "the nearest frontier")
 
 
-SPACING_M, STRIDE_M, BORDER_M = 6.0, 4.0, 2.0
-"""Between lanes (the sensing range) and between waypoints of one, and from the lanes to the area's edge."""
-
-
-class Lawnmower:
-    """Boustrophedon survey of the whole area. The lanes are planned before the dive, without the obstacles."""
-
-    def __init__(self) -> None:
-        self._points: list[tuple[float, float]] | None = None
-
-    def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-        """Return the next waypoint of the lanes, skipping those that cannot be approached."""
-        pose = Pose(**facts["arrival"]["pose"])
-        if self._points is None:
-            self._points = self._lanes(facts["area_m"], pose.x, pose.y)
-        while self._points:
-            x, y = self._points[0]
-            forward, left = to_robot(pose, x, y)
-            if math.hypot(forward, left) < NEAR_M:
-                self._points.pop(0)
-                continue
-            choice = _towards(facts, forward, left, rejections, f"lane point ({x:.0f}, {y:.0f}) m")
-            if math.hypot(choice.forward_m, choice.left_m) >= 1.0:
-                return choice
-            self._points.pop(0)
-        return WaypointChoice(forward_m=0, left_m=0, reason="all lanes are done")
-
-    def mission(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
-        """Follow the lanes in a mission in words, whatever the words; then go home and end."""
-        step = self(facts, rejections)
-        if math.hypot(step.forward_m, step.left_m) >= 1.0:
-            way = WaypointStep(forward_m=step.forward_m, left_m=step.left_m)
-            return MissionAnswer(waypoint=way, reason=step.reason)
-        home = facts["mission"]["home"]
-        if math.hypot(home["forward_m"], home["left_m"]) > HOME_M:
-            return MissionAnswer(home=True, reason=step.reason)
-        return MissionAnswer(done=True, reason=step.reason)
-
-    def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
-        """Return the waypoints of lanes along x, from the corner nearest to the robot."""
-        b = BORDER_M
-        n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / SPACING_M) + 1)
-        n_stops = max(2, math.ceil((area_m[0] - 2 * b) / STRIDE_M) + 1)
-        ys = [b + k * (area_m[1] - 2 * b) / (n_lanes - 1) for k in range(n_lanes)]
-        xs = [b + k * (area_m[0] - 2 * b) / (n_stops - 1) for k in range(n_stops)]
-        if y > area_m[1] / 2:
-            ys.reverse()
-        if x > area_m[0] / 2:
-            xs.reverse()
-        return [(px, py) for k, py in enumerate(ys) for px in (xs if k % 2 == 0 else xs[::-1])]
-
-
-NEAR_M = 2.6
-"""A waypoint is reached within this distance: just more than D_trig, at which the next goal is asked for."""
-HOME_M = 2.0
-"""The same of the start."""
-
-
 def _towards(facts: Fact, forward: float, left: float, rejections: Sequence[Rejection], name: str) -> WaypointChoice:
     """Choose the option with the least path plus 1.5 times its distance to a point in the robot frame."""
     open_ = _open_steps(facts, rejections)
@@ -112,6 +53,16 @@ def _towards(facts: Fact, forward: float, left: float, rejections: Sequence[Reje
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
     best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
     return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"], reason=f"towards {name}")
+
+
+def first_dot(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+    """Choose the dot with the smallest label, whatever the map says."""
+    return CentroidChoice(selected_centroid_index=min(c["index"] for c in facts["centroids"]), reason="the first")
+
+
+def straight_ahead(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+    """Choose the point 5 m ahead, whatever the map says."""
+    return WaypointChoice(forward_m=5, left_m=0, reason="straight ahead")
 
 
 class Chance:
@@ -151,11 +102,10 @@ class Chance:
 
 
 def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[str, Rule]:
-    """Return the rules of a baseline: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
+    """Return the rules of a baseline: "nearest", "frontier", "constant", or "random", which draws from `rng`."""
     if name == "random":
         chance = Chance(rng or np.random.default_rng(0))
         return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint, "reef-mission": chance.mission}
-    if name == "lawnmower":
-        lanes = Lawnmower()
-        return {"reef-waypoint": lanes, "reef-mission": lanes.mission}
+    if name == "constant":
+        return {"reef-centroid": first_dot, "reef-waypoint": straight_ahead}
     return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

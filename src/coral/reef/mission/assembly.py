@@ -14,6 +14,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.question import Advisor
 from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mission_planner import MissionPlanner
@@ -29,9 +30,10 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.localization import Localizer
 from coral.reef.mission.bound import oracle_bound
+from coral.reef.mission.clairvoyant import clairvoyant
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.robot import Robot
-from coral.reef.mission.tour import TourPilot, drive_lines, lanes
+from coral.reef.mission.tour import LanesPilot, TourPilot, along, drive_lines, lanes
 from coral.reef.mission.word_oracle import word_tour
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.vehicle.response import VehicleResponse
@@ -97,7 +99,8 @@ def make_robot(
     if response is not None:
         driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
 
-    pilot = (Pilot if deciding.commands is None else TourPilot)(
+    lawnmower = LanesPilot if cfg.decider == "lawnmower" else Pilot
+    pilot = (lawnmower if deciding.commands is None else TourPilot)(
         belief,
         make_planner(belief, cfg.pilot.fields, deciding.draw, cfg.planner),
         driver,
@@ -112,6 +115,8 @@ def make_robot(
     )
     if isinstance(pilot, TourPilot) and deciding.commands is not None:
         pilot.commands = deciding.commands
+    if isinstance(pilot, LanesPilot):
+        pilot.points = along(lanes(belief.map.size_m, cfg.lane_m, start))
     return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), eyes=eyes)
 
 
@@ -126,6 +131,10 @@ def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | 
     """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
     if cfg.decider == "advisor":
         return advisor
+    if cfg.decider == "clairvoyant":
+        if world is None:
+            raise InputError("--cfg.decider", "", "clairvoyant", "another one: nobody knows the truth here")
+        return clairvoyant(world)
     if cfg.decider in ("geometry", "keywords"):
         orders = BlindOrders.of_words(cfg.planner.instruction.text)
         if cfg.decider == "geometry" and world is not None and world.mission is not None:

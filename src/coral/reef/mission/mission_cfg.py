@@ -41,13 +41,15 @@ class MissionCfg:
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal[
-        "advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle", "geometry", "keywords"
-    ] = "advisor"
-    """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
-    they follow lanes, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that know
+        "advisor", "nearest", "frontier", "constant", "random", "clairvoyant", "lawnmower", "sweep", "oracle",
+        "geometry", "keywords"
+    ] = "advisor"  # fmt: skip
+    """Who answers the questions: the advisor, or a baseline's rules in its place; the clairvoyant knows the true
+    clusters. lawnmower, sweep and oracle ask no questions: they follow lanes around obstacles, lanes through whatever
+    is in the way, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that know
     the conditions but not the kinds, or read key words."""
-    lane_m: Positive = 10.0
-    """Distance between the lanes of a blind sweep (m)."""
+    lane_m: Positive = 4.0
+    """Distance between the lanes of lawnmower and sweep (m): the swath in which oysters can be counted is 4.6 m."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     localization: LocalizationCfg = field(default_factory=LocalizationCfg)
     map: MapCfg = field(default_factory=MapCfg)

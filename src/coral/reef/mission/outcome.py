@@ -16,6 +16,7 @@ from coral.run_files import SurveyFiles
 
 Row = Mapping[str, str]
 SHARES = (0.5, 0.8, 0.9, 1.0)
+BUDGETS_S = (45, 60, 90)
 HORIZON_S = 600.0
 """Time over which the area under a curve is averaged, the last value held: comparable for missions of any length."""
 IDLE_M_S = 0.05
@@ -35,6 +36,7 @@ DEFINITIONS = {
     "inspected": "The same at a resolution at which an ecologist counts oysters: pixels of at most 0.05 m, that is, "
     "from at most 2.3 m with the default camera.",
     **{f"time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was inspected; null if never." for s in SHARES},
+    **{f"inspected_at_{s}_s": f"Share that was inspected after {s} s of simulated time." for s in BUDGETS_S},
     "inspected_auc": "Area under the curve of `inspected`: its mean over the first 600 s, the last value held.",
     "oracle_ratio_90": "time_to_90_s over that of an oracle, which knows the reef and drives a short tour past all of "
     "it at cruise speed. The tour is a heuristic, not a proven optimum; null where 90 % was not inspected.",
@@ -65,6 +67,7 @@ def outcome_metrics(folder: Path, events: Sequence[Mapping[str, Any]], rows: Seq
         "imaged": round(float(imaged[-1]), 4) if len(t) else None,
         "inspected": round(float(inspected[-1]), 4) if len(t) else None,
         **times,
+        **{f"inspected_at_{s}_s": share_at(t, inspected, s) for s in BUDGETS_S},
         "inspected_auc": area_under(t, inspected),
         "oracle_ratio_90": round(soon / best, 3) if soon is not None and best else None,
         "idle_fraction": round(sum(v < IDLE_M_S for v in speeds) / len(speeds), 4) if speeds else None,
@@ -82,6 +85,11 @@ def time_to(t: NDArray[np.float64], share: NDArray[np.float64], wanted: float) -
     """Return the time (s) at which a growing share first reached a value; None if never. t, share: Shape=(N,)."""
     reached = np.flatnonzero(share >= wanted - 1e-6)
     return round(float(t[reached[0]]), 3) if reached.size else None
+
+
+def share_at(t: NDArray[np.float64], share: NDArray[np.float64], at_s: float) -> float | None:
+    """Return a growing share at a time (s), its last value held; None without any. t, share: Shape=(N,)."""
+    return round(float(share[np.searchsorted(t, at_s, side="right") - 1]), 4) if len(t) and t[0] <= at_s else None
 
 
 def area_under(t: NDArray[np.float64], share: NDArray[np.float64], horizon_s: float = HORIZON_S) -> float | None:

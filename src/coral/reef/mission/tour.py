@@ -1,4 +1,4 @@
-"""Missions that follow a plan made before the dive: the oracle's tour and the lanes of a blind sweep."""
+"""Missions that follow a plan made before the dive: the oracle's tour, a blind sweep, and lanes around obstacles."""
 
 from __future__ import annotations
 
@@ -16,6 +16,12 @@ from coral.reef.world.geometry import Pose
 
 BORDER_M = 1.0
 """Distance between the ends of lanes and the edge of the survey area."""
+PASSED_M = 1.0
+"""A point of a lane is passed within this distance: the vehicle need not slow down for it."""
+STRIDE_M = 4.0
+"""Largest distance between points of a lane that goes around obstacles."""
+PATIENCE_S = 5.0
+"""Time for turning towards a point of a lane."""
 
 
 class TourPilot(Pilot):
@@ -35,6 +41,32 @@ class TourPilot(Pilot):
         return v, omega
 
 
+class LanesPilot(Pilot):
+    """Follows lanes planned before the dive around what is on the map, with the controller of the whole system.
+
+    The classical survey (boustrophedon): nothing is asked. A point of a lane counts as passed within `PASSED_M`, and is
+    given up where the map shows no way to it, or after twice the time that the way takes at cruise speed.
+    """
+
+    points: list[tuple[float, float]]
+    """What is left of the lanes (m), the next one first."""
+    _until = -math.inf
+
+    def _watch(self, t: float, speed: float) -> None:
+        """Go on to the next point of the lanes when the present one is passed or given up."""
+        pose, goal = self.belief.pose, self.belief.goal
+        assert self.field is not None
+        assert goal is not None
+        if t < self._until and math.dist(pose[:2], goal) > PASSED_M and self.field.reaches(pose.x, pose.y):
+            return
+        if not self.points:
+            self.end_reason = "all lanes are done"
+            return
+        x, y = self.points.pop(0)
+        self.goals.go_to(x, y, t, source="lanes", reason="the next point of the lanes")
+        self._until = t + PATIENCE_S + 2.0 * math.dist(pose[:2], (x, y)) / self.planner.cfg.route.cruise_m_s
+
+
 def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
     """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
 
@@ -50,6 +82,15 @@ def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray
         ends.reverse()
     points = [(x, y) for k, y in enumerate(ys) for x in (ends if k % 2 == 0 else ends[::-1])]
     return np.array([start[:2], *points])
+
+
+def along(points: NDArray[np.float64], stride_m: float = STRIDE_M) -> list[tuple[float, float]]:
+    """Return points (m) along straight lines, Shape=(N, 2), at most `stride_m` apart, without the first one."""
+    found: list[tuple[float, float]] = []
+    for a, b in itertools.pairwise(points):
+        n = max(1, math.ceil(math.dist(a, b) / stride_m - 1e-9))
+        found += [(float(x), float(y)) for x, y in a + (b - a) * np.arange(1, n + 1)[:, None] / n]
+    return found
 
 
 def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:

@@ -62,13 +62,14 @@ VARIANTS: dict[str, Variant] = {
     "dream": Variant(
         what="DREAM, the earlier system that the paper compares with, rebuilt from its description (IV-C, IV-E). One "
         "action of one second per answer, one answer every 5 s whatever `--cfg.latency` says, standing still in "
-        "between; PD control; no chain in its pictures, prompt or facts, only the green cells of the map; no check "
-        "except that a point lies in the survey area. Its own actions and gains are not public: an action here is a "
-        "second's drive towards the chosen waypoint.",
+        "between; PD control, and obstacles stop it; no chain in its pictures, prompt or facts, only the green cells "
+        "of the map; no check except that a point lies in the survey area. Its own actions and gains are not public: "
+        "an action here is a second's drive towards the chosen waypoint.",
         changes=PD
         | UNCHECKED
         | WITHOUT_DOTS
         | {
+            "simulator.contact": "solid",
             "planner.algorithm": "paper",
             "planner.route.ahead": False,
             "belief.centroids": False,
@@ -97,9 +98,9 @@ VARIANTS: dict[str, Variant] = {
         alone=True,
     ),
     "lawnmower": Variant(
-        what="Parallel lanes over the whole area, planned before the dive; in a mission in words also over dots.",
-        changes=PLANNED_BEFORE | {"decider": "lawnmower", "planner.instruction.clear_m": 0.0},
-        alone=True,
+        what="Parallel lanes over the whole area (`--cfg.lane-m`), planned before the dive, and driven by the same "
+        "controller around what is on the map.",
+        changes={"decider": "lawnmower", "planner.route.ahead": False, "planner.instruction.clear_m": 0.0},
     ),
     "no-verification": Variant(
         what="Chosen points go to the controller without a check, into an obstacle if need be. Only points outside the "
@@ -138,8 +139,27 @@ VARIANTS: dict[str, Variant] = {
         changes=UNCHECKED | {"decider": "random"},
         alone=True,
     ),
+    "constant": Variant(
+        what="The whole system, but the advisor always says the first dot, or straight ahead.",
+        changes={"decider": "constant"},
+        alone=True,
+    ),
+    "constant-unchecked": Variant(
+        what="The same without verification.", changes=UNCHECKED | {"decider": "constant"}, alone=True
+    ),
+    "clairvoyant": Variant(
+        what="The whole system with an advisor that knows, in truth, where the clusters are: what it is worth to know "
+        "more than the map.",
+        changes={"decider": "clairvoyant"},
+        alone=True,
+    ),
+    "clairvoyant-unchecked": Variant(
+        what="The same without verification: what a check does to whoever knows more.",
+        changes=UNCHECKED | {"decider": "clairvoyant"},
+        alone=True,
+    ),
     "blind-sweep": Variant(
-        what="Straight lanes 10 m apart (`--cfg.lane-m`) at cruise speed, without sensing. It passes through whatever "
+        what="Straight lanes 4 m apart (`--cfg.lane-m`) at cruise speed, without sensing. It passes through whatever "
         "is in the way; each contact is counted.",
         changes=GLIDED | {"decider": "sweep", "simulator.contact": "ghost"},
     ),

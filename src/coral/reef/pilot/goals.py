@@ -43,13 +43,13 @@ class Goals:
             way_m = max(way_m, min(self._route.lead_s * route.cruise_m_s, cfg.blind_m))
         while way_m > cfg.initial_m and not self._belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
             way_m -= 0.5
-        self._alone(*to_world(pose, way_m, 0.0), t, source="initial", reason="initial waypoint")
+        self.go_to(*to_world(pose, way_m, 0.0), t, source="initial", reason="initial waypoint")
 
     def go_home(self, x: float, y: float, t: float) -> None:
         """Drive to a point (m) around what is on the map."""
-        self._alone(x, y, t, source="home", reason="the way home")
+        self.go_to(x, y, t, source="home", reason="the way home")
 
-    def _alone(self, x: float, y: float, t: float, *, source: str, reason: str) -> None:
+    def go_to(self, x: float, y: float, t: float, *, source: str, reason: str) -> None:
         """Drive to a point (m) that nobody decided on, and to nothing else."""
         self._route.follow([Goal(x=x, y=y)], t)
         self._emit("goal", x=x, y=y, source=source, decision=None, index=None, reason=reason, violates=False)

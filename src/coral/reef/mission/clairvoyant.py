@@ -19,7 +19,7 @@ from coral.reef.vehicle.delays import delays_from
 from coral.reef.world.geometry import Pose, to_robot
 from coral.reef.world.world import ReefWorld
 
-NAME = "clairvoyant (knows the truth)"
+NAME = "clairvoyant"
 SAME_M = 1.5
 """A dot this near to a true cluster stands for it."""
 SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
