@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -78,14 +79,8 @@ def _lazy_logger(folder: Path | None) -> Callable[[Attempt], None] | None:
     """Make a logger into the run folder; its file is opened at the first question."""
     if folder is None:
         return None
-    recorders: list[AttemptRecorder] = []
-
-    def log(attempt: Attempt) -> None:
-        if not recorders:
-            recorders.append(AttemptRecorder(folder))
-        recorders[0](attempt)
-
-    return log
+    recorder = functools.cache(lambda: AttemptRecorder(folder))
+    return lambda attempt: recorder()(attempt)
 
 
 VARIANTS = {

@@ -175,23 +175,12 @@ def replay_errors(
 
     A rolled-out pinch slips where the real one holds, whatever the mass: with a balance, the replay has less weight.
     """
-    before, after = compare(replay, name, believed, proposed)
+    parts = replay.parts([believed, proposed], name)
+    before, after = map(float, replay.score(parts, parts.min(axis=0)).mean(axis=1))
     if found is None or not len(found):
         return before, after
     more = balance_error(found, [believed[name], proposed[name]])
     return before + float(more[0]), after + float(more[1])
-
-
-def compare(
-    replay: HistoryReplay,
-    name: str,
-    believed: Mapping[str, PhysicalParameters],
-    proposed: Mapping[str, PhysicalParameters],
-) -> tuple[float, float]:
-    """Compute the replay errors of a belief and of a proposal."""
-    found = replay.parts([believed, proposed], name)
-    before, after = replay.score(found, found.min(axis=0)).mean(axis=1)
-    return float(before), float(after)
 
 
 def _find_valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
