@@ -40,7 +40,7 @@ OURS: dict[str, dict[str, str]] = {
     "coral.exporters": {
         "mcap": "coral.reef.recordings.bag_export:export_mcap",
         "bag": "coral.reef.recordings.bag_export:export_bag",
-        "pictures": "coral.reef.recordings.picture_export:export_pictures",
+        "pictures": "coral.reef.recordings.picture_folder:export_pictures",
     },
     "coral.cameras": {
         "bag": "coral.contact.real_scenes.cameras.bag_camera:BagRgbdCamera",

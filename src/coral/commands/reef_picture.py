@@ -46,7 +46,7 @@ class ReefPicture:
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
         from coral.reef.pictures.mapview import png
-        from coral.reef.recordings.picture_export import add_picture, table_of
+        from coral.reef.recordings.picture_folder import add_picture, table_of
         from coral.reef.vehicle.camera import Camera, CameraCfg
         from coral.reef.world.find_world import find_world
         from coral.reef.world.geometry import Pose

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from coral.reef.recordings.frame_tree import BodyTrack, FrameTree, frame_name, points_down
-from coral.reef.recordings.pose_track import StampedTransforms
-from coral.reef.recordings.transforms import body_transform
+from coral.reef.recordings.transforms import StampedTransforms, body_transform
 from coral.reef.world.geometry import Pose
 
 

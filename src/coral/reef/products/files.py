@@ -12,13 +12,13 @@ import numpy as np
 from coral.drawing import png
 from coral.file_writer import write_whole
 from coral.reef.products import product_files
-from coral.reef.products.geotiff import write_geotiff
-from coral.reef.products.layer_files import (
+from coral.reef.products.map_files import (
     Feature,
     Layer,
     Value,
     write_geojson,
     write_geopackage,
+    write_geotiff,
     write_table,
 )
 from coral.reef.products.placement import EarthPlacement, place_raster

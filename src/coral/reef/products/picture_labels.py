@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from coral.config import Count
 from coral.drawing import jpeg
 from coral.file_writer import write_whole
-from coral.reef.products.layer_files import write_table
+from coral.reef.products.map_files import write_table
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.seen_points import lens_of, transform_of
 from coral.reef.recordings.recording import PosedFrame, Recording

@@ -13,10 +13,8 @@ from pathlib import Path
 from coral.errors import InputError
 from coral.foreign_file import open_regular, read_head
 from coral.limits import AUTOPILOT_LOG_BYTES, AUTOPILOT_SAMPLES, LARGEST_NUMBER, LATEST_S
-from coral.reef.recordings.dataflash_log import Sample, read_dataflash
-from coral.reef.recordings.pose_track import NEAR_S, StampedTransforms
-from coral.reef.recordings.telemetry_log import read_telemetry
-from coral.reef.recordings.transforms import body_transform, euler_of
+from coral.reef.recordings.log_samples import Sample, read_dataflash, read_telemetry
+from coral.reef.recordings.transforms import NEAR_S, StampedTransforms, body_transform, euler_of
 from coral.reef.world.geometry import Pose, wrap
 from coral.words import many
 

@@ -17,10 +17,9 @@ from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.mapping import MapCfg
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
-from coral.reef.recordings.pose_track import NEAR_S, ONE_CLOCK, ClockBackError
 from coral.reef.recordings.recorded_pictures import PicturePerception, recorded_frame
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, Recording
-from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
+from coral.reef.recordings.transforms import NEAR_S, ONE_CLOCK, ClockBackError, camera_in_body, euler_of, transform_from
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose

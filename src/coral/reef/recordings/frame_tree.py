@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coral.reef.recordings.pose_track import StampedTransforms, Transform
-from coral.reef.recordings.transforms import euler_of
+from coral.reef.recordings.transforms import StampedTransforms, Transform, euler_of
 from coral.reef.world.geometry import Pose
 
 MAP = "map"

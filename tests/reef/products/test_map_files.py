@@ -1,16 +1,26 @@
-"""GeoPackage and GeoJSON, opened by GDAL."""
+"""Maps as files, opened by GDAL."""
 
 import json
 
 import numpy as np
 import pytest
 
-from coral.reef.products.layer_files import Feature, Layer, closed_ring, write_geojson, write_geopackage, write_table
-from coral.reef.products.placement import Datum, EarthPlacement
+from coral.reef.products.map_files import (
+    Feature,
+    Layer,
+    closed_ring,
+    write_geojson,
+    write_geopackage,
+    write_geotiff,
+    write_table,
+)
+from coral.reef.products.placement import Datum, EarthPlacement, PlacedRaster
 from coral.reef.world.geometry import Pose
 
 pytest.importorskip("pyproj")
 pyogrio = pytest.importorskip("pyogrio")
+pytest.importorskip("tifffile")
+rasterio = pytest.importorskip("rasterio")
 
 SQUARE = np.array([[2.0, 3.0], [12.0, 3.0], [12.0, 23.0], [2.0, 23.0]])
 
@@ -105,3 +115,26 @@ def test_a_ring_is_closed_and_counter_clockwise():
 def test_rows_come_in_the_order_of_the_columns_and_what_is_not_known_is_empty(tmp_path):
     write_table(tmp_path / "t.csv", ("a", "b"), [{"b": 1.5, "a": "x, y"}, {"a": 2, "b": None}])
     assert (tmp_path / "t.csv").read_text() == 'a,b\n"x, y",1.5\n2,\n'
+
+
+def test_gdal_reads_values_place_names_and_what_is_nothing(tmp_path):
+    values = np.arange(24, dtype=np.float32).reshape(3, 4, 2)
+    raster = PlacedRaster(values, 500_000.0, 4_000_000.0, 0.5)
+    write_geotiff(tmp_path / "x.tif", raster, 32610, bands=("a < b", "c"), nothing=-9999.0)
+    with rasterio.open(tmp_path / "x.tif") as opened:
+        assert opened.crs.to_epsg() == 32610
+        assert opened.nodata == -9999.0
+        assert opened.descriptions == ("a < b", "c")
+        assert opened.xy(0, 0) == (500_000.25, 3_999_999.75)
+        np.testing.assert_array_equal(np.moveaxis(opened.read(), 0, 2), values)
+
+
+def test_colours_have_alpha(tmp_path):
+    values = np.zeros((5, 6, 4), np.uint8)
+    values[..., 3] = 255
+    write_geotiff(tmp_path / "x.tif", PlacedRaster(values, 0.0, 2.5, 0.5), None)
+    with rasterio.open(tmp_path / "x.tif") as opened:
+        names = [one.name for one in opened.colorinterp]
+        assert names == ["red", "green", "blue", "alpha"]
+        assert opened.crs is None or opened.crs.to_epsg() is None
+        assert opened.bounds == (0.0, 0.0, 3.0, 2.5)
