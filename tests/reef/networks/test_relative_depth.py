@@ -7,16 +7,8 @@ from coral.errors import InputError
 from coral.onnx_file import OnnxFile, open_onnx, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.networks.relative_depth import (
-    CAMERA,
-    DepthAnything,
-    RelativeDepthEyes,
-    depth_kind,
-    fit_scale_shift,
-    shipped_picture,
-)
+from coral.reef.networks.relative_depth import DepthAnything, RelativeDepthEyes, fit_scale_shift
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.world.geometry import Label
 from onnx_files import relative_depth
 
 
@@ -115,7 +107,7 @@ def test_another_layout_is_one_clear_line(wrong):
         DepthAnything(fake(**wrong))
 
 
-NEAR = CameraCfg(width=42, height=28, pitch_down_deg=40.0)
+CAMERA = CameraCfg(width=42, height=28, pitch_down_deg=40.0)
 RGB = np.zeros((28, 42, 3), np.uint8)
 
 
@@ -126,14 +118,14 @@ def eyes(tmp_path, depth, doubt=0.1):
 
 
 def with_a_post(height):
-    depth = np.minimum(ground_depth(NEAR, height), 20.0)
+    depth = np.minimum(ground_depth(CAMERA, height), 20.0)
     depth[4:20, 10:14] = 1.1
     return depth
 
 
 def test_the_floor_at_a_known_height_gives_scale_and_shift(tmp_path):
     true = with_a_post(0.9)
-    seen = eyes(tmp_path, true).perceive(RGB, NEAR, CameraAttitude(height=0.9))
+    seen = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=0.9))
     np.testing.assert_allclose(seen.depth[10:], true[10:], rtol=0.02)  # the post too, which no plane would give
 
 
@@ -141,27 +133,13 @@ def test_echoes_win_over_a_height_that_is_wrong(tmp_path):
     true = with_a_post(0.9)
     at = np.array([[u, v] for u in range(2, 40, 3) for v in range(12, 27, 2)])
     echoes = np.column_stack([at, true[at[:, 1], at[:, 0]]]).astype(np.float32)
-    off = eyes(tmp_path, true).perceive(RGB, NEAR, CameraAttitude(height=1.2)).depth[20, 30]
-    near = eyes(tmp_path, true).perceive(RGB, NEAR, CameraAttitude(height=1.2, echoes=echoes)).depth[20, 30]
+    off = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=1.2)).depth[20, 30]
+    near = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=1.2, echoes=echoes)).depth[20, 30]
     assert off == pytest.approx(true[20, 30] * 1.2 / 0.9, rel=0.05)
     assert abs(near - true[20, 30]) < 0.6 * abs(off - true[20, 30])
 
 
 def test_without_points_depth_is_that_of_the_other_eyes(tmp_path):
     doubtful = eyes(tmp_path, with_a_post(0.9), doubt=0.9)
-    seen = doubtful.perceive(RGB, NEAR, CameraAttitude(height=0.9))
-    np.testing.assert_array_equal(seen.depth, doubtful.eyes.perceive(RGB, NEAR, CameraAttitude(height=0.9)).depth)
-
-
-def test_the_shipped_picture_shows_oysters_on_the_floor():
-    rgb, labels = shipped_picture()
-    assert rgb.shape == (CAMERA.height, CAMERA.width, 3)
-    assert (labels == Label.OYSTER).sum() > 500
-    assert rgb[-1, :, 2].mean() > rgb[-1, :, 0].mean()  # in water red fades first
-
-
-def test_a_depth_map_is_told_by_its_trend_on_the_floor():
-    ground = np.minimum(ground_depth(CAMERA), 20.0)
-    assert depth_kind(3.0 / ground + 1.0) == "relative"
-    assert depth_kind(ground) == "metric"
-    assert depth_kind(np.ones_like(ground)) == ""
+    seen = doubtful.perceive(RGB, CAMERA, CameraAttitude(height=0.9))
+    np.testing.assert_array_equal(seen.depth, doubtful.eyes.perceive(RGB, CAMERA, CameraAttitude(height=0.9)).depth)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import cv2
@@ -11,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.foreign_file import read_picture_file
 from coral.onnx_file import OnnxFile, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
 from coral.reef.networks.network_notes import IMAGENET, read_notes
+from coral.reef.networks.pixel_check import CAMERA, depth_kind, shipped_picture
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Label
 
@@ -32,12 +31,6 @@ SURE = 0.5
 """Floor pixels with more doubt than this give no points."""
 _ROUNDS, _OUTLIER = 10, 3.0
 """Rounds of reweighting; residuals beyond this multiple of their median count as outliers."""
-
-CAMERA = CameraCfg()
-"""That took the shipped picture."""
-_FOLDER = Path(__file__).parent / "check_picture"
-_TREND = 0.5
-"""Correlation with the floor's inverse depth from which a map is one of depth."""
 
 
 @dataclass(frozen=True)
@@ -92,26 +85,6 @@ def is_depth(file: OnnxFile) -> bool:
     height, width, rows, columns = (size or 0 for size in (*file.input_shape[2:], *shape[-2:]))
     known = height * width * rows * columns
     return not known or abs(columns * height / (rows * width) - 1.0) < _SAME_SHAPE
-
-
-@cache
-def shipped_picture() -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Return a painted picture of oysters in clear water, red first, and its classes. Shape=(H, W, 3), (H, W)."""
-    rgb, labels = (read_picture_file(_FOLDER / name) for name in ("rgb.jpg", "labels.png"))
-    assert rgb is not None
-    assert labels is not None
-    return np.ascontiguousarray(rgb[:, :, ::-1]), np.asarray(labels, np.uint8)
-
-
-def depth_kind(values: NDArray[np.float32]) -> str:
-    """Say what a map of the shipped picture is: relative (larger is nearer), metric, or '' if neither."""
-    _, truth = shipped_picture()
-    ground = ground_depth(CAMERA)
-    floor = (truth == Label.SEABED) & (ground < CAMERA.range_m) & np.isfinite(values)
-    if floor.sum() < 2 or np.ptp(values[floor]) < 1e-9:
-        return ""
-    trend = float(np.corrcoef(values[floor], 1.0 / ground[floor])[0, 1])
-    return "relative" if trend > _TREND else "metric" if trend < -_TREND else ""
 
 
 class DepthAnything:
