@@ -13,6 +13,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from coral.commands.unread_settings import refuse_unread
+from coral.completion import completion_script, completions
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.exit_code import ExitCode
 from coral.flag_parser import build, scan
@@ -93,6 +94,13 @@ def _run(words: Sequence[str]) -> int:
             return ExitCode.DONE
         if words[0] in ("-V", "--version"):
             words = ["version", *words[1:]]
+        if words[0] == "--print-completion":
+            print(completion_script("".join(words[1:2])), end="")
+            return ExitCode.DONE
+        if words[0] == "--complete":
+            for word in completions(words[1:], commands()):
+                print(word)
+            return ExitCode.DONE
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
@@ -190,7 +198,9 @@ def _overview(group: str) -> str:
     known = commands()
     width = max(map(len, known))
     lines = [f"  coral {name:<{width}} {text}" for name, (_, text) in known.items() if name.startswith(group)]
-    return "\n".join(["usage: coral COMMAND [flags]; every command has --help and --json", "", *lines])
+    usage = ["usage: coral COMMAND [flags]; every command has --help and --json"]
+    usage += ["       coral --print-completion bash|zsh|fish"]
+    return "\n".join([*usage, "", *lines])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """The flags of a command: its dataclass, or a configuration, read as a list of plain values.
 
-A field is a flag; a field that is itself a dataclass is a group of flags, `--GROUP.KEY`. Help, the list of the
-configuration and the parser all read this list.
+A field is a flag; a field that is itself a dataclass is a group of flags, `--GROUP.KEY`. Help, completion, the list of
+the configuration and the parser all read this list.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Option:
     hidden: bool = False
     """Whether it is no flag at all, but set by the program."""
     names: Iterable[str] | Callable[[], Iterable[str]] = ()
-    """Values that its help lists."""
+    """Values that completion offers."""
 
 
 def forms_text(forms: Mapping[str, str]) -> str:

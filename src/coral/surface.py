@@ -1,7 +1,7 @@
 """Commands and configurations as data without importing them, from a cache that is made again when the code changed.
 
-To describe a command its module must be imported, with all that it needs: seconds. Help, a mistyped flag and
-`coral config` need the description alone.
+To describe a command its module must be imported, with all that it needs: seconds. Help, completion, a mistyped flag
+and `coral config` need the description alone.
 """
 
 from __future__ import annotations
