@@ -13,7 +13,7 @@ from coral.drawing import RGB, Image, contact_sheet, draw_arrow, draw_line, draw
 from coral.file_writer import write_whole
 from coral.odd_text import printable
 from coral.reef.pictures.mapframe import CELL_COLORS
-from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map
+from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.world import ReefWorld
 from coral.view.mapsvg import solid_outlines
@@ -37,7 +37,7 @@ def preview(world: ReefWorld, path: Path) -> Path:
         f"{printable(world.name)}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
         f"{len(world.obstacles) + len(world.walls)} obstacles"
     )
-    drawn = _draw(world, MapViewCfg(size_px=SIZE_PX, window=(0.0, 0.0, width, height), legend=False))
+    drawn = _draw(world, SIZE_PX, (0.0, 0.0, width, height))
     write_whole(path, png(contact_sheet([(title, drawn)], 1)))
     return path
 
@@ -49,15 +49,15 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
     for world in worlds:
         width, height = world.size_m
         left, below = 0.5 * (width - widest), 0.5 * (height - widest)
-        view = MapViewCfg(size_px=SMALL_PX, window=(left, below, left + widest, below + widest), legend=False)
+        window = left, below, left + widest, below + widest
         title = f"{printable(world.name)}   {width:g} × {height:g} m"
-        pictures.append((title, _draw(world, view, numbers=widest <= _NUMBERED_M)))
+        pictures.append((title, _draw(world, SMALL_PX, window, numbers=widest <= _NUMBERED_M)))
     write_whole(path, png(contact_sheet(pictures, columns)))
     return path
 
 
-def _draw(world: ReefWorld, view: MapViewCfg, numbers: bool = True) -> Image:
-    """Draw a world as a map that shows all there is, Shape=(H, W, 3)."""
+def _draw(world: ReefWorld, size_px: int, window: tuple[float, float, float, float], numbers: bool = True) -> Image:
+    """Draw a world as a map that shows all there is, in a window (x0, y0, x1, y1) in metres. Shape=(H, W, 3)."""
     width, height = world.size_m
     cells = np.ones((math.ceil(height / CELL_M), math.ceil(width / CELL_M)), np.uint8)
     for label, points in solid_outlines(world):
@@ -74,7 +74,7 @@ def _draw(world: ReefWorld, view: MapViewCfg, numbers: bool = True) -> Image:
         links=(),
         marks=[(thing.x, thing.y, printable(thing.kind).replace("-", " ")) for thing in world.things if numbers],
     )
-    drawn = draw_map(scene, view)
+    drawn = draw_map(scene, size_px=size_px, window=window, legend=False)
     for line in world.spine:
         draw_line(drawn.rgb, drawn.to_pixels(np.array(line)), SPINE, 1)
     flow = np.array([world.current.x_m_s, -world.current.y_m_s])

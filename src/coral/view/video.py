@@ -12,7 +12,7 @@ from coral.drawing import Image, draw_text
 from coral.errors import InputError
 from coral.file_writer import scratch_for, writing
 from coral.reef.pictures.cameraview import Kind, camera_picture
-from coral.reef.pictures.mapview import MapViewCfg, draw_map
+from coral.reef.pictures.mapview import draw_map
 from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
 from coral.view.mp4 import INK, MUTED, RED, TEAL, draw_status, write_mp4
@@ -56,7 +56,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
     """Draw the video picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
     made = decisions(run)
     size = run.world.get("size_m") or (20.0, 20.0)
-    view = MapViewCfg(size_px=HEIGHT - STRIP, legend=False, window=(0.0, 0.0, float(size[0]), float(size[1])))
+    window = 0.0, 0.0, float(size[0]), float(size[1])
     calls = [float(e["t"]) for e in run.select("question")]
     collisions = [float(e["t"]) for e in run.select("collision")]
     shown, cells, eyes = -1, None, np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
@@ -66,7 +66,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
             shown, cells = step, snapshot(run, t)
             eyes = _camera_pictures(run, step)
         canvas = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
-        chart = draw_map(scene_at(run, t, cells), view).rgb
+        chart = draw_map(scene_at(run, t, cells), size_px=HEIGHT - STRIP, window=window, legend=False).rgb
         top, left = (HEIGHT - STRIP - chart.shape[0]) // 2, (WIDTH - EYE[0] - chart.shape[1]) // 2
         canvas[top : top + chart.shape[0], left : left + chart.shape[1]] = chart
         canvas[: 2 * EYE[1], WIDTH - EYE[0] :] = eyes

@@ -6,7 +6,7 @@ from coral.reef.generator.generated import one_thing
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.pictures.floor_mosaic import CELL_PX, seen_floor, split_bands
-from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map
+from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -40,7 +40,7 @@ def test_it_is_drawn_where_the_map_is():
     cells = np.zeros((40, 60), np.uint8)
     floor = np.full((80, 120, 3), 235, np.uint8)
     floor[60:, :40] = (200, 0, 0)  # north west
-    drawn = draw_map(MapScene(cells=cells, cell_m=0.25, floor=floor), MapViewCfg(legend=False))
+    drawn = draw_map(MapScene(cells=cells, cell_m=0.25, floor=floor), legend=False)
     x, y = drawn.to_pixels(np.array((2.0, 9.0)))
     assert tuple(drawn.rgb[round(y), round(x)]) == (200, 0, 0)
     x, y = drawn.to_pixels(np.array((12.0, 2.0)))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.reef.pictures.mapframe import PALE
-from coral.reef.pictures.mapview import CELL_COLORS, HATCH, MapScene, MapViewCfg, draw_map, png
+from coral.reef.pictures.mapview import CELL_COLORS, HATCH, MapScene, draw_map, png
 from coral.reef.world.geometry import Pose
 
 WHOLE = (0.0, 0.0, 20.0, 20.0)
@@ -37,7 +37,7 @@ def test_a_cell_has_the_colour_of_its_class(kind, window):
     cells = grid()
     cells[80:120, 40:400] = 1  # so that a crop has something to keep
     cells[200:240, 100:140] = kind  # y 10..12 m, x 5..7 m
-    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(window=window, legend=False))
+    picture = draw_map(MapScene(cells=cells, cell_m=0.05), window=window, legend=False)
     assert pixel(picture, 6.0, 11.0) == tuple(CELL_COLORS[kind])
     assert pixel(picture, 10.0, 5.0) == tuple(CELL_COLORS[1])
 
@@ -45,7 +45,7 @@ def test_a_cell_has_the_colour_of_its_class(kind, window):
 def test_north_is_up_and_east_is_right():
     cells = grid()
     cells[:200] = 1  # the southern half
-    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(window=WHOLE, legend=False))
+    picture = draw_map(MapScene(cells=cells, cell_m=0.05), window=WHOLE, legend=False)
     assert pixel(picture, 10.0, 5.0) == tuple(CELL_COLORS[1])
     assert pixel(picture, 10.0, 15.0) == (255, 255, 255)
     low, high = picture.to_pixels(np.array([[0.0, 0.0], [20.0, 20.0]]))
@@ -56,7 +56,7 @@ def test_north_is_up_and_east_is_right():
 @pytest.mark.parametrize("theta", [0.0, math.pi / 2, 2.5, -2.0])
 def test_red_arrow_points_forward_and_blue_arrow_left(theta):
     scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(10.0, 10.0, theta))
-    picture = draw_map(scene, MapViewCfg(window=WHOLE, legend=False))
+    picture = draw_map(scene, window=WHOLE, legend=False)
     robot = picture.to_pixels(np.array([10.0, 10.0]))
     for color, angle in ((RED, theta), (BLUE, theta + math.pi / 2)):
         toward = np.array(where(picture.rgb, color)) - robot
@@ -65,26 +65,26 @@ def test_red_arrow_points_forward_and_blue_arrow_left(theta):
 
 def test_the_links_of_the_chain_are_blue():
     points = np.array([(4.0, 10.0), (16.0, 10.0), (10.0, 16.0)])
-    cfg = MapViewCfg(window=WHOLE, legend=False)
-    joined = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=((0, 2), (2, 1))), cfg)
+    view = {"window": WHOLE, "legend": False}
+    joined = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=((0, 2), (2, 1))), **view)
     assert pixel(joined, 7.0, 13.0) == BLUE
     assert pixel(joined, 10.0, 10.0) == (255, 255, 255)
     assert pixel(joined, 4.0, 10.0) == ORANGE
-    apart = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=()), cfg)
+    apart = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=()), **view)
     assert not has(apart.rgb, BLUE)
 
 
 def test_a_visited_centroid_is_hollow():
     points = np.array([(4.0, 10.0), (16.0, 10.0)])
     scene = MapScene(cells=grid(), cell_m=0.05, centroids=points, visited=(True, False))
-    picture = draw_map(scene, MapViewCfg(window=WHOLE))
+    picture = draw_map(scene, window=WHOLE)
     assert pixel(picture, 4.0, 10.0) != ORANGE
     assert pixel(picture, 16.0, 10.0) == ORANGE
 
 
 def test_trajectory_is_yellow_with_a_dark_edge():
     scene = MapScene(cells=grid(), cell_m=0.05, trajectory=np.array([(3.0, 10.0), (17.0, 10.0)]))
-    picture = draw_map(scene, MapViewCfg(window=WHOLE, legend=False))
+    picture = draw_map(scene, window=WHOLE, legend=False)
     assert pixel(picture, 9.9, 10.0) == YELLOW
     column, row = (int(v) for v in picture.to_pixels(np.array([9.9, 10.0])))
     assert picture.rgb[row - 4 : row + 5, column].sum(axis=1).min() < 300
@@ -93,10 +93,12 @@ def test_trajectory_is_yellow_with_a_dark_edge():
 @pytest.mark.parametrize("at", [(0.05, 0.05), (19.95, 19.95), (0.05, 19.95), (19.95, 0.05)])
 def test_labels_stay_inside_the_picture(at):
     scene = MapScene(cells=grid(), cell_m=0.05, centroids=np.array([at]), indices=(12,))
-    cfg = MapViewCfg(window=WHOLE, legend=False)
+    view = {"window": WHOLE, "legend": False}
     ink = (150, 62, 0)
-    corner = draw_map(scene, cfg).rgb
-    middle = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=np.array([(10.0, 10.0)]), indices=(12,)), cfg).rgb
+    corner = draw_map(scene, **view).rgb
+    middle = draw_map(
+        MapScene(cells=grid(), cell_m=0.05, centroids=np.array([(10.0, 10.0)]), indices=(12,)), **view
+    ).rgb
 
     def amount(rgb):
         return (np.abs(rgb.astype(int) - ink) <= 3).all(axis=2).sum()
@@ -122,18 +124,18 @@ def test_the_crop_keeps_everything_that_is_drawn():
 
 def test_size_and_type_hold_for_any_shape():
     for shape in ((400, 400), (600, 200), (200, 600), (3, 5)):
-        for cfg in (MapViewCfg(), MapViewCfg(size_px=300, legend=False)):
-            rgb = draw_map(MapScene(cells=np.ones(shape, np.uint8), cell_m=0.05), cfg).rgb
+        for view in ({}, {"size_px": 300, "legend": False}):
+            rgb = draw_map(MapScene(cells=np.ones(shape, np.uint8), cell_m=0.05), **view).rgb
             assert rgb.dtype == np.uint8
-            assert max(rgb.shape[:2]) <= cfg.size_px
-            assert max(rgb.shape[:2]) >= cfg.size_px - 80
+            assert max(rgb.shape[:2]) <= view.get("size_px", 768)
+            assert max(rgb.shape[:2]) >= view.get("size_px", 768) - 80
 
 
 def test_the_legend_of_a_narrow_map_is_not_cut():
     cells = np.ones((600, 100), np.uint8)
 
     def lowest_rows(goal):
-        rgb = draw_map(MapScene(cells=cells, cell_m=0.05, goal=goal), MapViewCfg()).rgb
+        rgb = draw_map(MapScene(cells=cells, cell_m=0.05, goal=goal)).rgb
         return rgb[-30:]  # the second line of the legend, where the goal stands last
 
     plain, with_goal = lowest_rows(None), lowest_rows((2.0, 2.0))
@@ -153,7 +155,7 @@ def test_a_dot_below_the_robot_s_arrow_stays_visible():
     scene = MapScene(
         cells=grid(), cell_m=0.05, pose=Pose(4.0, 4.0, 0.0), arrival=Pose(10.0, 10.0, 0.0), centroids=points
     )
-    picture = draw_map(scene, MapViewCfg(window=WHOLE))
+    picture = draw_map(scene, window=WHOLE)
     assert 0.0 < picture.to_pixels(points[0])[0] - picture.to_pixels(np.array([10.0, 10.0]))[0] < 50.0  # on the arrow
     assert pixel(picture, 11.0, 10.0) == ORANGE
 
@@ -164,7 +166,7 @@ def test_a_dot_that_is_done_is_hollow_also_where_it_is_known_from_afar():
         cells=cells, cell_m=0.1, pose=Pose(3.0, 3.0, 0.0), centroids=np.array([[10.0, 10.0], [14.0, 14.0]]),
         visited=[True, False], seen=[None, None], indices=[4, 5],
     )  # fmt: skip
-    view = draw_map(scene, MapViewCfg(legend=False))
+    view = draw_map(scene, legend=False)
     middles = [view.rgb[row, column].tolist() for column, row in np.rint(view.to_pixels(scene.centroids)).astype(int)]
     assert middles[0] == [255, 255, 255]
     assert middles[1] != [255, 255, 255]
@@ -173,7 +175,7 @@ def test_a_dot_that_is_done_is_hollow_also_where_it_is_known_from_afar():
 def test_a_doubtful_dot_is_pale_and_has_a_mark_of_its_own():
     def middle(doubtful):
         scene = MapScene(cells=grid(), cell_m=0.05, centroids=np.array([[10.0, 10.0]]), seen=[0.5], doubtful=[doubtful])
-        return draw_map(scene, MapViewCfg(window=WHOLE))
+        return draw_map(scene, window=WHOLE)
 
     plain, doubted = middle(False), middle(True)
     assert pixel(plain, 10.0, 10.0) == ORANGE
@@ -186,7 +188,7 @@ def test_water_that_is_not_worth_a_visit_is_hatched_and_other_white_is_not():
     idle = np.zeros((400, 400), bool)
     idle[100:140, 100:140] = True
     scene = MapScene(cells=grid(), cell_m=0.05, idle=idle)
-    view = draw_map(scene, MapViewCfg(window=(-2.0, -2.0, 20.0, 20.0), legend=False))
+    view = draw_map(scene, window=(-2.0, -2.0, 20.0, 20.0), legend=False)
 
     def hatched(x0, y0, x1, y1):
         (left, low), (right, high) = view.to_pixels(np.array([(x0, y0), (x1, y1)])).astype(int)
@@ -206,7 +208,7 @@ def test_arrows_and_the_end_of_the_area_are_in_the_picture(x, y, theta, size):
     scene = MapScene(
         cells=cells, cell_m=0.1, pose=Pose(10.0, 10.0, 0.0), arrival=Pose(x, y, theta), border=(0.0, 0.0, size, size)
     )
-    view = draw_map(scene, MapViewCfg(legend=False))
+    view = draw_map(scene, legend=False)
     height, width = view.rgb.shape[:2]
     along = np.array([math.cos(theta), math.sin(theta)])
     for arrow in (72 * along, 62 * np.array([-along[1], along[0]])):  # with their names

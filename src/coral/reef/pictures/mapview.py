@@ -32,7 +32,7 @@ from coral.reef.pictures.mapframe import (
 )
 from coral.reef.world.geometry import Pose
 
-__all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "draw_map", "png"]
+__all__ = ["CELL_COLORS", "MapPicture", "MapScene", "camera_picture", "draw_map", "png"]
 
 Box = tuple[float, float, float, float]
 MARGIN_M = 1.5
@@ -88,18 +88,7 @@ class MapScene:
     """Places (m) and words of what the advisor of a mission in words said of things."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class MapViewCfg:
-    """Layout of a map picture."""
-
-    size_px: int = 768
-    """Longer side; providers scale larger pictures down to about this."""
-    window: tuple[float, float, float, float] | None = None
-    """What is shown, (x0, y0, x1, y1) in metres; None: the explored area with a margin."""
-    legend: bool = True
-
-
-def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
+def draw_map(scene: MapScene, *, size_px: int = 768, window: Box | None = None, legend: bool = True) -> MapPicture:
     """Draw the map as the paper shows it (CORAL III-A and prompts A and B).
 
     White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
@@ -107,37 +96,37 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow
     its +Y (left); hollow, with the arrows, where it will be when it needs the answer; the
     magenta cross-hair is the present goal.
+
+    `size_px` is the longer side: providers scale larger pictures down to about 768. `window` is what is shown,
+    (x0, y0, x1, y1) in metres; None: the explored area with a margin.
     """
-    cfg = cfg or MapViewCfg()
     left, right, top, bottom = LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX
-    legend_px, arrows_m = 54 if cfg.legend else 0, ARROWS_M
+    legend_px, arrows_m = 54 if legend else 0, ARROWS_M
     for _ in range(3):  # more room for arrows makes the scale smaller
-        window = x0, y0, x1, y1 = _window(scene, cfg, arrows_m)
-        scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
+        shown = x0, y0, x1, y1 = window or _window(scene, arrows_m)
+        scale = min((size_px - left - right) / (x1 - x0), (size_px - top - bottom - legend_px) / (y1 - y0))
         arrows_m = max(arrows_m, ARROWS_PX / scale - MARGIN_M)
     inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
     # The legend needs its width even if the map is a narrow upright strip.
-    width = max(inner_w + left + right, LEGEND_PX if cfg.legend else 0)
+    width = max(inner_w + left + right, LEGEND_PX if legend else 0)
     rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
-    view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
+    view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, shown)
     inner = rgb[top : top + inner_h, left : left + inner_w]
-    inner[:] = _ground(scene, window, inner_w, inner_h)
+    inner[:] = _ground(scene, shown, inner_w, inner_h)
     if scene.idle is not None and scene.floor is None:
-        _hatch(inner, scene.idle, _cells_of(scene, window))
+        _hatch(inner, scene.idle, _cells_of(scene, shown))
     # Overlays are clipped to the map by drawing into its slice.
-    inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
+    inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, shown)
     draw_scale_bar(inside)
     _draw_overlays(inside, scene)
     draw_axes(view, left, top, inner_w, inner_h)
-    if cfg.legend:
+    if legend:
         marks = {"goal": scene.goal is not None, "arrival": scene.arrival is not None, "clusters": scene.clusters}
         draw_legend(rgb, left, top + inner_h + bottom, **marks)
     return view
 
 
-def _window(scene: MapScene, cfg: MapViewCfg, arrows_m: float) -> tuple[float, float, float, float]:
-    if cfg.window is not None:
-        return cfg.window
+def _window(scene: MapScene, arrows_m: float) -> Box:
     height, width = scene.cells.shape
     whole = (0.0, 0.0, width * scene.cell_m, height * scene.cell_m)
     rows, columns = np.nonzero(scene.cells.any(axis=1))[0], np.nonzero(scene.cells.any(axis=0))[0]

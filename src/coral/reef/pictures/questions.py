@@ -12,7 +12,7 @@ from coral.reef.decide.outlook import Outlook
 from coral.reef.map.chain import spanning_tree
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.floor_mosaic import seen_floor
-from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map, png
+from coral.reef.pictures.mapview import MapScene, draw_map, png
 from coral.reef.pictures.things import things_picture
 
 
@@ -75,6 +75,6 @@ def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
             pictures.append(Picture(name="things", png=png(things), caption="the best colour picture of each dot"))
         if (floor := seen_floor(belief)) is not None:
             scene = replace(map_scene(outlook), floor=floor, links=(), trajectory=np.zeros((0, 2)))
-            above = draw_map(scene, MapViewCfg(legend=False))
+            above = draw_map(scene, legend=False)
             pictures.append(Picture(name="mosaic", png=png(above.rgb), caption="what was seen, from above, in colour"))
     return tuple(pictures)
