@@ -35,7 +35,7 @@ def test_a_price_is_how_much_later_the_rest_is_seen():
 
 def test_a_point_on_the_way_costs_nothing_and_one_behind_its_detour():
     tour = tour_of([(14.0, 5.0), (30.0, 5.0)])
-    on_the_way, behind = tour.prices_s(np.array([12.0, 6.0]), np.array([5.0, 5.0]))
+    on_the_way, behind = tour.price_s(12.0, 5.0), tour.price_s(6.0, 5.0)
     assert on_the_way == pytest.approx(0.0, abs=0.3)
     assert behind == pytest.approx(2 * 4.0 / 0.5, abs=0.7)
 

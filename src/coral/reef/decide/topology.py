@@ -137,22 +137,14 @@ class RemainingTour:
     def price_s(self, x: float, y: float, index: int | None = None) -> float:
         """Return how much later (s) what is left is seen when a cluster, or a point, comes first; inf without a way."""
         known = next((place.later_s for place in self.places if index is not None and place.index == index), None)
-        return float(self.prices_s(np.array([x]), np.array([y]))[0]) if known is None else known
-
-    def prices_s(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the price (s) of going to points first, and to the places from there. Shape=(N,)."""
-        first = self.start.field.lengths(xs, ys) / SPEED_M_S
-        x, y, theta = self.pose
-        off = np.arctan2(ys - y, xs - x) - theta
-        first = first + np.abs(np.arctan2(np.sin(off), np.cos(off))) / YAW_RATE_RAD_S
-        onward = np.min(
-            [
-                field.lengths(xs, ys) / SPEED_M_S + delay
-                for field, delay in zip(self.fields, self.onward_s, strict=True)
-            ],
-            axis=0,
+        if known is not None:
+            return known
+        first = self.start.field.lookup(x, y) / SPEED_M_S + abs(bearing(self.pose, x, y)) / YAW_RATE_RAD_S
+        onward = min(
+            field.lookup(x, y) / SPEED_M_S + float(delay)
+            for field, delay in zip(self.fields, self.onward_s, strict=True)
         )
-        return np.asarray(np.maximum(first + onward - self.best_s, 0.0))
+        return max(first + onward - self.best_s, 0.0)
 
 
 def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival) -> RemainingTour | None:
