@@ -4,8 +4,7 @@ import pytest
 
 from coral.contact.cost.stages import TermWeights
 from coral.reef.world.instruction import checked_words
-from coral.view.live.controls import RunControls, SurveyControls
-from coral.view.live.pace import STOPPED, Pace
+from coral.view.live.controls import STOPPED, Pace, RunControls, SurveyControls
 
 
 def by_name(panel):
@@ -78,3 +77,62 @@ def test_the_instruction_of_a_mission_in_words_is_changed_on_the_page(made):
     without = made(None)
     assert "instruct" not in by_name(without.panel("running"))
     assert not without.press("instruct", "Find the net.")
+
+
+class Wall:
+    def __init__(self):
+        self.now, self.rests = 0.0, []
+
+    def clock(self):
+        return self.now
+
+    def wait(self, seconds):
+        self.rests.append(seconds)
+        self.now += seconds
+
+
+def test_a_speed_limit_holds_and_nothing_is_hurried():
+    wall = Wall()
+    pace = Pace(2.0, clock=wall.clock, wait=wall.wait)
+    for k in range(101):
+        pace.keep(0.1 * k)
+    assert wall.now == pytest.approx(5.0)
+    wall.now += 60.0  # the machine was busy
+    pace.keep(10.1)
+    pace.keep(10.2)
+    assert wall.now == pytest.approx(65.05)
+    pace.speed = 0.0
+    pace.keep(1000.0)
+    assert wall.now == pytest.approx(65.05)
+
+
+def test_standing_still_ends_with_the_pause_or_the_run():
+    waited = []
+
+    def wait(seconds):
+        waited.append(seconds)
+        if len(waited) == 3:
+            pace.paused = False
+        if len(waited) == 4:
+            pace.end()
+
+    pace = Pace(clock=Wall().clock, wait=wait)
+    assert not pace.stand_still()
+    pace.paused = True
+    assert pace.stand_still()
+    assert len(waited) == 3
+    pace.paused = True
+    assert pace.stand_still()
+    assert pace.stop
+    assert not pace.stand_still()
+    assert len(waited) == 4
+
+
+def test_the_first_reason_to_end_stays_and_nothing_waits_any_more():
+    wall = Wall()
+    pace = Pace(1.0, clock=wall.clock, wait=wall.wait)
+    pace.keep(0.0)
+    pace.end("enough")
+    pace.end()
+    pace.keep(1000.0)
+    assert (pace.stop, wall.now) == ("enough", 0.0)

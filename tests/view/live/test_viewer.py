@@ -5,8 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from coral.view.live.controls import RunControls
-from coral.view.live.pace import Pace
+from coral.view.live.controls import Pace, RunControls
 from coral.view.live.viewer import Stroke, Viewer, frame_picture
 
 

@@ -11,7 +11,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
-from coral.view.live.pace import Pace
+from coral.view.live.controls import Pace
 from coral.view.live.viewer import Now, Viewer
 from coral.view.live.watching import WatchedRun, WatchedSurvey, reef_sketch, task_sketch, watching_run
 

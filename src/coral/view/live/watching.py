@@ -11,8 +11,7 @@ import numpy as np
 
 from coral.contact.worlds.robot_world import in_real_time
 from coral.terminal import tell
-from coral.view.live.controls import RunControls
-from coral.view.live.pace import Pace
+from coral.view.live.controls import Pace, RunControls
 from coral.view.live.viewer import PERIOD_S, Sketch, Stroke, Viewer
 
 PLAN, ROLLOUT, REFERENCE, CARRIED = "#00aabe", "#9678c8", "#783ca0", "#ff8500"
