@@ -115,10 +115,5 @@ def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float6
 
 
 def distance_to(polygon: NDArray[np.float64], x: float, y: float) -> float:
-    """Compute the distance (m) from a point to a convex polygon, negative inside."""
-    begin, along = polygon, np.roll(polygon, -1, axis=0) - polygon
-    offset = np.array([x, y]) - begin
-    share = np.clip((offset * along).sum(1) / np.maximum((along**2).sum(1), 1e-18), 0.0, 1.0)
-    gap = float(np.hypot(*(offset - share[:, None] * along).T).min())
-    inside = (along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0] > 0).all()  # convex, counter-clockwise
-    return -gap if inside else gap
+    """Compute the distance (m) from a point to a polygon, negative inside."""
+    return -float(cv2.pointPolygonTest(polygon.astype(np.float32), (x, y), measureDist=True))
