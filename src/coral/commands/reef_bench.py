@@ -26,9 +26,8 @@ from coral.reef.drive.controllers import controller_maker
 from coral.reef.generator.word_missions import half_of
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
+from coral.reef.mission.presets import CLEAR, apply_preset, apply_setting, named, preset_help
 from coral.reef.mission.resolution import reef_advisor
-from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.find_world import expand_names, find_world
