@@ -18,6 +18,7 @@ SURVEY_EVENTS = {
     "held": "A decision without a goal: `source`, `decision`, `reason`; in a mission in words also its `answer`, "
     "`said`, `look`, `violates`.",
     "fallback": "The advisor did not decide: `decision`, `failure`, and the `policy` that took over.",
+    "guess": "What an advisor expected at `x`, `y` was checked: `what`, how `sure`, whether it was a `hit`.",
     "mode": "The `mode` of questions changed: centroids or free waypoints.",
     "trigger": "The smart trigger's verdict changed (Eq. 12): `cause`, `fired`, `held_by`.",
     "monitor": "The reference path was planned anew: `deviation_m`.",
@@ -173,6 +174,7 @@ SURVEY_CODES = {
     "no-such-centroid": "There is no such dot on the map.",
     "visited": "The dot is done.",
     "finished": "Within 3 m of the point everything is known and done, and nothing that is left is nearer from there.",
+    "too-dear": "To look where something is expected costs more than is allowed.",
     "too-close": "The point is where the robot will be, or at the last goal.",
     "contradiction": "The answer contradicts itself.",
     "not-done": "The survey cannot end, or be left to the robot, while dots are left.",

@@ -150,14 +150,15 @@ def test_a_question_tells_what_a_reader_could_not_know():
         **AHEAD["facts"],
         "first": {"forward_m": 4, "left_m": -2, "dots": [3, 6]},
         "advice": {"chosen": {"index": 5}, "later_s": 9, "better": 3},
+        "guesses": {"right": 1, "wrong": 2, "open": 0, "allowance_s": 24.0},
         "passing": {"dots": [3, 6], "waypoints": [[2, 1]]},
     }
     text = render("reef-waypoint", AHEAD, facts=facts)[0]
-    for told in ("Dots are left (3, 6)", "seen 9 s later", "dot 3 first"):
+    for told in ("Dots are left (3, 6)", "seen 9 s later", "dot 3 first", "1 right, 2 wrong", "up to 24.0 s"):
         assert told in text
     assert "These would pass now:** dots 3, 6; 2 m forward and 1 m left." in text
     silent = render("reef-waypoint", AHEAD)[0]
-    assert not any(word in silent for word in ("Advice", "would pass now", "Why a waypoint"))
+    assert not any(word in silent for word in ("Advice", "guesses so far", "would pass now", "Why a waypoint"))
 
 
 def test_without_a_chain_the_prompt_does_not_speak_of_one():

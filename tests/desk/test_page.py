@@ -180,15 +180,17 @@ def test_a_waypoint_answers_a_question_of_dots_and_a_dot_one_of_waypoints(visit,
     page.get_by_role("button", name="Submit").click()
     answer = dots.result()
     assert (answer.selected_centroid_index, answer.waypoint.forward_m, answer.waypoint.left_m) == (None, 2, -1)
-    assert not answer.end_survey
+    assert (answer.expect, answer.end_survey) == (None, False)
     waypoints = ask(case.reef_question("reef-waypoint"))
     expect(page.get_by_role("heading", name="Where to next?")).to_be_visible()
     page.get_by_label("Forward (m)").fill("0")
     page.get_by_label("Left (m)").fill("0")
     page.get_by_role("radio", name="7").click()
+    page.get_by_label("none (null)").last.uncheck()
+    page.get_by_label("What").fill("the line goes on")
     page.get_by_role("button", name="Submit").click()
     answer = waypoints.result()
-    assert (answer.dot, answer.explore_rest) == (7, False)
+    assert (answer.dot, answer.expect.what, answer.expect.forward_m) == (7, "the line goes on", None)
 
 
 def test_nested_answers_have_a_form_and_a_text(visit, ask):

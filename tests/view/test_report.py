@@ -323,6 +323,16 @@ def test_where_a_resumed_survey_was_on_the_saved_map_is_told(fresh):
         assert f"Saved map: {said}" in page(fresh)
 
 
+def test_how_the_advisors_guesses_came_out_is_told(fresh):
+    assert "guesses" not in page(fresh)
+    with open(fresh / "events.jsonl", "a") as events:
+        events.writelines(
+            json.dumps({"step": 9, "t": 0.9, "event": "guess", "x": 1.0, "y": 2.0, "hit": hit}) + "\n"
+            for hit in (True, False, None, True)
+        )
+    assert "Of 3 guesses of its advisor that the robot looked at, 2 proved right." in page(fresh)
+
+
 def test_how_far_eyes_that_doubt_saw_is_told(fresh):
     assert "sea floor up to" not in page(fresh)
     with open(fresh / "events.jsonl", "a") as events:

@@ -7,7 +7,7 @@ that has all that is left seen soonest.
 
 Departs from the paper: a refusal names what would pass, so that a second answer need not guess.
 
-Departs from the paper: an answer may name goals to go on with (`then`),
+Departs from the paper: an answer may name goals to go on with (`then`), expect what the map does not show (`expect`),
 leave the rest to the robot (`explore_rest`) and end the survey (`end_survey`).
 
 Departs from the paper: waypoints are measured from where the robot will be when the answer is needed, not from where it

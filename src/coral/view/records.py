@@ -21,6 +21,7 @@ NEEDED = {
     "goal": ("x", "y"),
     "collision": ("x", "y"),
     "sight": ("reach_m",),
+    "guess": ("hit",),
     "stage": ("stage",),
     "contact": ("first", "second", "force_n"),
     "contact_end": ("first", "second", "begun_s", "ended_s"),

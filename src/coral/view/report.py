@@ -16,7 +16,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.foreign_file import read_text
 from coral.reef.decide.said import said_by
-from coral.reef.mission.events import place_told, sight_told, unjudged
+from coral.reef.mission.events import guesses_told, place_told, sight_told, unjudged
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
@@ -134,6 +134,8 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     for event in run.select("sight")[-1:]:
         seen = f"By the last pictures, {sight_told(event)}."
         told = [f"Not judged. {seen}", *told] if unjudged(event) else [*told, seen]
+    if guesses := guesses_told(run.select("guess")):
+        told.append(f"{guesses[0].upper()}{guesses[1:]}.")
     told += [f"Saved map: {place_told(event)}." for event in run.select("place")[-1:]]
     return " ".join(told)
 

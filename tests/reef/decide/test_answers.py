@@ -67,7 +67,11 @@ def test_example_in_the_prompt_is_a_valid_answer(kind, answer_type):
 
 def test_what_goes_beyond_the_paper_may_be_left_out_of_an_answer():
     choice = parse_answer('{"selected_centroid_index": 3}', CentroidChoice)
-    assert (choice.then, choice.waypoint, choice.end_survey) == ((), None, False)
+    assert (choice.then, choice.waypoint, choice.expect, choice.end_survey) == ((), None, None, False)
+    given = parse_answer('{"forward_m": 0, "left_m": 2, "expect": {"what": "more", "sure": 0.7}}', WaypointChoice)
+    assert (given.expect.sure, given.expect.forward_m) == (0.7, None)
+    with pytest.raises(BadAnswer):
+        parse_answer('{"forward_m": 0, "left_m": 2, "expect": {"what": "more", "sure": 70}}', WaypointChoice)
 
 
 def test_schema_states_the_bounds():

@@ -90,6 +90,7 @@ def test_a_waypoint_is_measured_from_the_robot_and_stands_alone():
     goal = planner.locate(asked, WaypointAnswer(forward_m=4, left_m=-1))
     assert (goal.x, goal.y) == pytest.approx((14.0, 9.0))
     assert planner.onward(asked, WaypointAnswer(forward_m=4, left_m=-1)) == []
+    assert planner.settle() == []
 
 
 def test_the_mission_is_complete_when_nothing_is_left():

@@ -8,7 +8,7 @@ from beds import belief_with, see
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice, WaypointStep
 from coral.reef.decide.planner import PlannerCfg
 from coral.reef.decide.route import Goal, RouteCfg
 from coral.reef.decide.tour_planner import TourPlanner
@@ -211,11 +211,21 @@ def test_who_was_left_alone_asks_when_there_is_a_dot():
     [
         dot(0, end_survey=True),
         dot(0, waypoint=WaypointStep(forward_m=3, left_m=0)),
+        dot(0, expect=Expectation(what="a twin reef", forward_m=30.0, left_m=0.0, sure=0.9)),  # off the map
+        dot(0, expect=Expectation(what="a twin reef", forward_m=-9.0, left_m=0.0, sure=0.9)),  # behind
     ],
 )
 def test_an_answer_that_contradicts_itself_is_refused(answer):
     planner = planner_for(belief_with([(14.0, 10.0)]))
     assert planner.verify(ask(planner), answer).code == "contradiction"
+
+
+def test_a_step_towards_what_is_expected_far_away_contradicts_nothing():
+    belief = belief_with([(3.0, 10.0)], Pose(5.0, 10.0, 0.0), half_known())
+    see(belief, 0)
+    planner = planner_for(belief)
+    guess = Expectation(what="the line of clusters goes on", forward_m=14.0, left_m=0.0, sure=0.9)
+    assert planner.verify(ask(planner), step(5, 0, expect=guess)) is None
 
 
 def finished_west():
@@ -225,11 +235,31 @@ def finished_west():
     return belief
 
 
-def test_a_way_back_through_finished_water_is_refused():
+def test_a_way_back_through_finished_water_is_refused_unless_a_guess_is_worth_it():
     planner = planner_for(finished_west())
     asked = ask(planner)
     assert planner.verify(asked, step(-4, 0)).code == "finished"
     assert planner.verify(asked, step(2, 2)) is None
+    guess = Expectation(what="hidden by the last rock", sure=1.0)
+    assert planner.verify(asked, step(-4, 0, expect=guess)) is None
+    unsure = planner.verify(asked, step(-4, 0, expect=guess.model_copy(update={"sure": 0.05})))
+    assert unsure.code == "too-dear"
+    assert "inf" not in unsure.reason
+
+
+def test_guesses_that_prove_wrong_may_cost_less():
+    planner = planner_for(finished_west())
+    guess = Expectation(what="there must be more", sure=0.9)
+    asked = ask(planner)
+    assert planner.verify(asked, step(-5, 0, expect=guess)) is None
+    told = planner.adopt(asked, step(-5, 0, expect=guess), Goal(x=5.0, y=10.0))
+    assert (told["expect"]["x"], told["expect"]["sure"]) == (5.0, 0.9)
+    (out,) = planner.settle()  # the water there is known, and bare
+    assert out.hit is False
+    assert planner.settle() == []
+    asked = ask(planner)
+    assert asked.question.facts["guesses"] == {"right": 0, "wrong": 1, "open": 0, "allowance_s": 20.0}
+    assert planner.verify(asked, step(-5, 0, expect=guess)).code == "too-dear"
 
 
 def test_without_verification_only_points_off_the_map_are_refused():

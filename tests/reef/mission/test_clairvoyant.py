@@ -26,6 +26,7 @@ def test_it_takes_the_dot_of_the_first_cluster_or_a_step_towards_it():
     assert one.centroid(facts(dot(3, 4.2, 0.3), dot(5, -9.0, 7.0)), ()).selected_centroid_index == 3
     unseen = one.centroid(facts(dot(5, -9.0, 7.0)), ())
     assert (unseen.waypoint.forward_m, unseen.waypoint.left_m) == (4, 0)
+    assert (unseen.expect.forward_m, unseen.expect.sure) == (4.0, 1.0)
     step = one.waypoint(facts(), ())
     assert (step.forward_m, step.left_m, step.dot) == (4, 0, None)
     shorter = one.waypoint(facts(), [Rejection(code="blocked", reason="no")])
@@ -34,6 +35,7 @@ def test_it_takes_the_dot_of_the_first_cluster_or_a_step_towards_it():
 
 def test_what_the_robot_has_seen_from_near_is_done():
     one = Clairvoyant(np.array([(10.0, 14.0)]))
+    assert one.waypoint(facts(dot(3, 4.0, 0.0, visited=True)), ()).expect is None
     ended = one.centroid(facts(dot(3, 4.0, 0.0, visited=True)), ())
     assert ended.end_survey
     assert one.centroid(facts(dot(8, 1.0, 1.0)), ()).selected_centroid_index == 8  # noise, but nothing else is left

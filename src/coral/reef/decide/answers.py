@@ -44,6 +44,23 @@ _SIGN = {
 }
 
 
+class Expectation(BaseModel):
+    """What an advisor expects where the map shows nothing."""
+
+    model_config = ConfigDict(frozen=True)
+
+    what: Text = Field(description="what you expect, such as: the line of clusters goes on behind the rock")
+    forward_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="where, metres forward; null: at the goal"
+    )
+    left_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="where, metres to the left; null: at the goal"
+    )
+    sure: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.5, description="how sure you are, 0 to 1"
+    )
+
+
 class WaypointStep(BaseModel):
     """A waypoint in whole metres in the robot frame."""
 
@@ -63,7 +80,7 @@ class CentroidAnswer(BaseModel):
 
 
 class CentroidChoice(CentroidAnswer):
-    """The same with what goes beyond the paper: further goals, a waypoint in place of a dot, the end."""
+    """The same with what goes beyond the paper: further goals, a waypoint in place of a dot, a guess, the end."""
 
     then: Annotated[tuple[Index, ...], keep_first(3)] = Field(
         default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
@@ -71,6 +88,7 @@ class CentroidChoice(CentroidAnswer):
     waypoint: WaypointStep | None = Field(
         default=None, description="a place to go to instead of a dot; then selected_centroid_index is null"
     )
+    expect: Expectation | None = Field(default=None, description="what you expect beyond the map, if you go for that")
     end_survey: bool = Field(default=False, description="true: nothing that is left is worth going to")
 
 
@@ -101,12 +119,13 @@ class WaypointAnswer(BaseModel):
 
 
 class WaypointChoice(WaypointAnswer):
-    """The same with what goes beyond the paper: further goals, a dot in its place, the rest, the end."""
+    """The same with what goes beyond the paper: further goals, a dot in its place, a guess, the rest, the end."""
 
     then: Annotated[tuple[WaypointStep, ...], keep_first(2)] = Field(
         default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
     )
     dot: Index | None = Field(default=None, description="label of an orange dot to go to instead of the waypoint")
+    expect: Expectation | None = Field(default=None, description="what you expect beyond the map, if you go for that")
     explore_rest: bool = Field(
         default=False,
         description="true: no dot is left, and the robot explores by its own tour until it finds something",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.decide.guesses import GuessRecord
 from coral.reef.decide.route import Arrival, here
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Track
@@ -34,6 +35,8 @@ class Outlook:
     """Whether the advisor has left what is unexplored to the robot's own tour."""
     latency_s: float = 0.0
     """How long the answer is expected to take (s)."""
+    guesses: GuessRecord = field(default_factory=GuessRecord)
+    """How the advisor's guesses have come out."""
     idle: NDArray[np.bool_] | None = None
     """Unexplored cells that are not worth a visit, Shape=(NY, NX); None: not told apart, as in the paper."""
     advice: Mapping[str, Any] | None = None

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from coral.advisor.question import Picture, Question, Rejection
 from coral.config import Count, NonNegative
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
+from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.route import Arrival, Goal, Route, RouteCfg, here
 from coral.reef.decide.survey import Survey, SurveyCfg
@@ -133,3 +134,7 @@ class HighLevelPlanner(ABC):
     @abstractmethod
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
         """Take over a choice, and return what the event of its goal tells of it."""
+
+    def settle(self) -> list[Guess]:
+        """Return the guesses that have come out since the last call."""
+        return []

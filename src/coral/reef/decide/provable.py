@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import AskedState
 from coral.reef.decide.route import Goal
@@ -21,6 +21,7 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.carried import around
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.water import Reach
+from coral.reef.world.geometry import to_world
 
 SEE_M = 3.0
 """A waypoint shows what lies within this of it."""
@@ -34,16 +35,32 @@ END_REEF_M = 1.5
 """Nor unexplored water this near to known oysters."""
 TOLERANCE_M = 0.3
 """A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
+GUESS_M = 8.0
+"""A goal that is chosen for a guess lies within this of it (the camera's range and 2 m), or on the way to it."""
 
 
-def contradiction(answer: CentroidChoice | WaypointChoice) -> str:
+def contradiction(asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None) -> str:
     """Return how an answer contradicts itself, or ""."""
     dot = answer.selected_centroid_index if isinstance(answer, CentroidChoice) else answer.dot
     if answer.end_survey and (dot is not None or answer.then):
         return "It ends the survey and names a goal as well. Do one of both."
     if isinstance(answer, CentroidChoice) and dot is not None and answer.waypoint is not None:
         return "It names a dot and a waypoint as well. Name one of both, and null for the other."
+    if goal is not None and answer.expect is not None:
+        place = expected_at(asked, answer.expect, goal)
+        if not asked.outlook.belief.map.contains(*place):
+            return "What it expects lies outside the survey area."
+        away = math.dist(place, (goal.x, goal.y))
+        if away > max(GUESS_M, math.dist(place, asked.outlook.arrival.pose[:2])):
+            return "Its goal leads away from what it expects, which would not be seen from there."
     return ""
+
+
+def expected_at(asked: AskedState, expect: Expectation, goal: Goal) -> tuple[float, float]:
+    """Return the place (m, world) of a guess; without one of its own it is the goal's."""
+    if expect.forward_m is None or expect.left_m is None:
+        return goal.x, goal.y
+    return to_world(asked.outlook.arrival.pose, expect.forward_m, expect.left_m)
 
 
 def hazard(goal: Goal, reach: Reach) -> Rejection | None:

@@ -2,7 +2,7 @@
 
 It stands beside the paper's Algorithm 2 (`paper_planner.py`) and has the same interface. What it adds: questions are
 asked ahead and measured from where the robot will be; the mode is what comes first in a tour of all that is left;
-answers may name further goals, or the end of the survey; the check is `provable.py`.
+answers may name further goals, a guess, or the end of the survey; the check is `provable.py`.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ import numpy as np
 from coral.advisor.question import Rejection
 from coral.reef.decide.answers import CentroidAnswer, CentroidChoice, WaypointChoice
 from coral.reef.decide.facts import describe, waypoint_options
+from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.planner import Answer, AskedState, HighLevelPlanner, Mode
-from coral.reef.decide.provable import contradiction, finished_dot, hazard, leads_nowhere, too_early_to_end
+from coral.reef.decide.provable import contradiction, expected_at, finished_dot, hazard, leads_nowhere, too_early_to_end
 from coral.reef.decide.questions import (
     KINDS,
     chosen,
@@ -46,6 +47,7 @@ NAMED = 3
 class TourPlanner(HighLevelPlanner):
     """Asks for the next goal of a survey that visits everything."""
 
+    guesses = GuessRecord()
     _advice: Mapping[str, Any] | None = None
     _alone = False
     """Whether the advisor has left the rest to the robot's own tour."""
@@ -60,6 +62,7 @@ class TourPlanner(HighLevelPlanner):
             under_way=bool(route.goals),
             alone=self._alone,
             latency_s=route.latency_s,
+            guesses=self.guesses,
             advice=self._advice,
         )
 
@@ -126,7 +129,7 @@ class TourPlanner(HighLevelPlanner):
         return "centroid" if asked.around.ahead or asked.left.dead_end else "waypoint"
 
     def _told(self, asked: AskedState, dots: Sequence[Any]) -> dict[str, Any]:
-        """Return what a question tells besides the map: why it is asked so, and advice."""
+        """Return what a question tells besides the map: why it is asked so, advice, and how guesses came out."""
         told: dict[str, Any] = {}
         outlook, tour = asked.outlook, asked.tour
         if asked.mode == "waypoint" and dots and tour is not None and tour.best.index is None:
@@ -138,6 +141,14 @@ class TourPlanner(HighLevelPlanner):
             }
         if outlook.advice is not None:
             told["advice"] = dict(outlook.advice)
+        record = outlook.guesses
+        if record.guesses:
+            told["guesses"] = {
+                "right": record.right,
+                "wrong": record.wrong,
+                "open": len(record.guesses) - record.right - record.wrong,
+                "allowance_s": round(record.allowance_s(1.0), 1),
+            }
         return told
 
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
@@ -157,7 +168,7 @@ class TourPlanner(HighLevelPlanner):
         cfg, outlook = self.cfg, asked.outlook
         if not cfg.checks:
             return None if goal is None else outside(goal, self.belief)
-        if why := contradiction(answer):
+        if why := contradiction(asked, answer, goal):
             return Rejection(code="contradiction", reason=f"The answer contradicts itself. {why}")
         if answer.end_survey:
             return too_early_to_end(asked)
@@ -185,10 +196,27 @@ class TourPlanner(HighLevelPlanner):
         at = np.array([goal.x]), np.array([goal.y])
         if not cfg.finished or not asked.acceptable or not leads_nowhere(outlook, asked.remaining, *at)[0]:
             return None
+        return self._too_dear(asked, answer, goal)
+
+    def _too_dear(self, asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal) -> Rejection | None:
+        """Refuse a way back, unless a guess is stated that may cost as much."""
+        why = (
+            "Everything within 3 m of the chosen point is explored and done, and nothing that is left is nearer from "
+            "there."
+        )
+        if answer.expect is None:
+            return Rejection(code="finished", reason=f"{why} If you expect something there, say what in `expect`.")
+        price = math.inf if asked.tour is None else asked.tour.price_s(goal.x, goal.y)
+        allowed = asked.outlook.guesses.allowance_s(answer.expect.sure)
+        if price <= allowed:
+            return None
+        cost = f"{price:.0f} s" if math.isfinite(price) else "an unknown time"
+        record = asked.outlook.guesses
         return Rejection(
-            code="finished",
-            reason="Everything within 3 m of the chosen point is explored and done, and nothing that is left is nearer "
-            "from there.",
+            code="too-dear",
+            details={"allowed_s": round(allowed, 1)},
+            reason=f"{why} To look there costs {cost}; {allowed:.0f} s are allowed, by how sure you are and how your "
+            f"guesses came out ({record.right} right, {record.wrong} wrong).",
         )
 
     def locate(self, asked: AskedState, answer: Answer) -> Goal | Rejection | None:
@@ -226,7 +254,7 @@ class TourPlanner(HighLevelPlanner):
         return [goal for goal in goals if hazard(goal, self._reach_now()) is None]
 
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
-        """Note what a choice costs by the robot's own tour."""
+        """Note what a choice costs by the robot's own tour, and what the advisor expects there."""
         told: dict[str, Any] = {
             "violates": verify_waypoint((goal.x, goal.y), asked.around, self.cfg.verify) is not None
         }
@@ -236,7 +264,18 @@ class TourPlanner(HighLevelPlanner):
         if tour is not None and math.isfinite(price) and price >= TOLD_S:
             told["later_s"] = round(price, 1)
             self._advice = {"chosen": chosen(answer), "later_s": round(price), "better": tour.best.index}
+        expect = getattr(answer, "expect", None)
+        if expect is not None:
+            x, y = expected_at(asked, expect, goal)
+            guess = Guess(x=round(x, 2), y=round(y, 2), what=expect.what[:200], sure=expect.sure)
+            self.guesses = self.guesses.with_guess(guess, self.belief)
+            told["expect"] = {"x": guess.x, "y": guess.y, "what": guess.what, "sure": guess.sure}
         return told
+
+    def settle(self) -> list[Guess]:
+        """Return the guesses that have come out since the last call."""
+        self.guesses, out = self.guesses.settled(self.belief)
+        return out
 
     def _lead_nowhere(self, asked: AskedState, options: Sequence[Mapping[str, Any]]) -> list[bool]:
         assert asked.remaining is not None

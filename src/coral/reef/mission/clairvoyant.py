@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice, WaypointStep
 from coral.reef.vehicle.delays import delays_from
 from coral.reef.world.geometry import Pose, to_robot
 from coral.reef.world.world import ReefWorld
@@ -48,7 +48,9 @@ class Clairvoyant:
         dot = _dot_at(dots, aim)
         if dot is not None:
             return CentroidChoice(selected_centroid_index=dot["index"], reason=NAME)
-        return CentroidChoice(selected_centroid_index=None, waypoint=_step(aim, rejections), reason=NAME)
+        return CentroidChoice(
+            selected_centroid_index=None, waypoint=_step(aim, rejections), expect=_expected(aim), reason=NAME
+        )
 
     def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
         """Choose a waypoint towards the first cluster, or its dot."""
@@ -63,6 +65,7 @@ class Clairvoyant:
             forward_m=step.forward_m,
             left_m=step.left_m,
             dot=None if dot is None else dot["index"],
+            expect=None if dot is not None else _expected(aim),
             reason=NAME,
         )
 
@@ -100,6 +103,10 @@ def _open(facts: Fact, refused: set[Any]) -> list[Fact]:
 def _dot_at(dots: Sequence[Fact], aim: tuple[float, float]) -> Fact | None:
     near = [(math.dist((c["forward_m"], c["left_m"]), aim), c["index"], c) for c in dots]
     return min((n for n in near if n[0] <= SAME_M), default=(0.0, 0, None), key=lambda n: n[:2])[2]
+
+
+def _expected(aim: tuple[float, float]) -> Expectation:
+    return Expectation(what="a cluster", forward_m=round(aim[0], 2), left_m=round(aim[1], 2), sure=1.0)
 
 
 def _step(aim: tuple[float, float], rejections: Sequence[Rejection]) -> WaypointStep:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 
@@ -12,6 +12,12 @@ def sight_told(event: Mapping[str, Any]) -> str:
     if unjudged(event):
         return "the eyes judge nothing here: what they see is unlike all that they have learned, or too murky"
     return f"the eyes tell oysters from sea floor up to {event['reach_m']:.1f} m away"
+
+
+def guesses_told(events: Sequence[Mapping[str, Any]]) -> str:
+    """Return what the events `guess` say of an advisor's guesses, in words; "" without any."""
+    right = sum(bool(event["hit"]) for event in events)
+    return f"of {len(events)} guesses of its advisor that the robot looked at, {right} proved right" if events else ""
 
 
 def unjudged(event: Mapping[str, Any]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from coral.advisor.attribution import Source, source_of, spent
@@ -119,6 +119,8 @@ class Consultation:
     async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Have the next question prepared, from the belief as it is now."""
         self._asked_s = self._clock.now()
+        for guess in self._planner.settle():
+            self._emit("guess", **asdict(guess))
         asked = await self._prepare(rejections)
         question = asked.question
         if question is None:
