@@ -18,7 +18,6 @@ EXCEPTIONS = {
     "contact/franka/double_scene.py": "no file: XML that MuJoCo has just written",
     "interface/result.py": "copies the caller's own run to a new or empty folder",
     "reef/recordings/recorded_pictures.py": "a temporary folder of its own",
-    "reef/sea/calibration_file.py": "text of read_text without definitions of its own, so that nothing expands",
     "reef/sea/saved_survey.py": "writes into memory",
     "yaml_file.py": "text of read_text, counted before anything is built of it",
 }

@@ -1,5 +1,6 @@
 """Camera files."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -9,7 +10,13 @@ import pytest
 
 from coral.errors import InputError
 from coral.lens import Lens
-from coral.reef.sea.recorded_camera import RecordedCamera, Rectifier, read_camera, rectified_size
+from coral.reef.sea.recorded_camera import (
+    RecordedCamera,
+    Rectifier,
+    read_calibration,
+    read_camera,
+    rectified_size,
+)
 from coral.reef.vehicle.camera import CameraCfg
 
 PLAIN = Lens(width=64, height=48, fx=40.0, fy=40.0, cx=31.5, cy=23.5)
@@ -37,13 +44,6 @@ def test_a_calibration_makes_pictures_of_a_pinhole_camera(tmp_path):
     assert found.view.pitch_down_deg == 15.0
     # The barrel shows more than 640 / 520 at its sides: the view is wider than without distortion.
     assert found.view.hfov_deg > 62.0
-
-
-def test_a_calibration_of_ros_is_the_same_camera(tmp_path):
-    text = "{width: 160, height: 120, fx: 52, fy: 51.5, cx: 81, cy: 58.5, distortion: [-0.05, 0, 0, 0]}"
-    ros = """{image_width: 160, image_height: 120, camera_matrix: {data: [52, 0, 81, 0, 51.5, 58.5, 0, 0, 1]},
-      distortion_model: plumb_bob, distortion_coefficients: {data: [-0.05, 0, 0, 0]}}"""
-    assert camera(tmp_path, ros).view == camera(tmp_path, text).view
 
 
 def test_a_camera_of_ours_is_taken_as_it_is():
@@ -129,3 +129,81 @@ def test_classes_are_not_mixed_and_nothing_is_seen_outside():
     assert set(np.unique(made)) <= {0, 3}
     assert (made == 0).tolist() == rectifier.outside.tolist()
     assert not rectifier.outside[height // 2, width // 2]
+
+
+ROS = {
+    "image_width": 160,
+    "image_height": 120,
+    "camera_name": "left",
+    "camera_matrix": {"rows": 3, "cols": 3, "data": [52.0, 0.0, 81.0, 0.0, 51.5, 58.5, 0.0, 0.0, 1.0]},
+    "distortion_model": "plumb_bob",
+    "distortion_coefficients": {"rows": 1, "cols": 5, "data": [-0.05, 0.004, 0.0, 0.0, 0.0]},
+    "pitch_down_deg": 30,
+}
+OPENCV = {key: value for key, value in ROS.items() if key != "distortion_model"}
+SAME = {"width": 160, "height": 120, "fx": 52.0, "fy": 51.5, "cx": 81.0, "cy": 58.5}
+FOUND = {**SAME, "model": "plumb_bob", "distortion": [-0.05, 0.004, 0.0, 0.0, 0.0], "pitch_down_deg": 30}
+YAML = """%YAML:1.0
+---
+calibration_time: "Wed 04 May 2023 05:16:40 PM UTC"
+image_width: 160
+image_height: 120
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 5.2000000000000000e+001, 0., 81., 0., 51.5, 58.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ -0.05, 4.0000000000000001e-03, 0., 0., 0. ]
+pitch_down_deg: 30
+"""
+
+
+def read(tmp_path, text):
+    (tmp_path / "lens.yaml").write_text(text)
+    return read_calibration(tmp_path / "lens.yaml")
+
+
+def test_a_calibration_of_ros_or_opencv_is_the_same_camera(tmp_path):
+    assert read(tmp_path, json.dumps(ROS)) == read(tmp_path, json.dumps(OPENCV, indent=4)) == FOUND
+    assert read(tmp_path, YAML) == FOUND
+    assert read_camera(tmp_path / "lens.yaml").view.pitch_down_deg == 30.0
+    assert read(tmp_path, "fov: 5") == {"fov": 5}
+
+
+def test_what_opencv_itself_wrote_is_read(tmp_path):
+    for name in ("own.yml", "own.json"):
+        store = cv2.FileStorage(str(tmp_path / name), cv2.FILE_STORAGE_WRITE)
+        store.write("image_width", 160)
+        store.write("image_height", 120)
+        store.write("fisheye_model", 1)
+        store.write("camera_matrix", np.array([[52.0, 0, 81], [0, 51.5, 58.5], [0, 0, 1]]))
+        store.write("distortion_coefficients", np.array([[0.1, 0.02, -1e-7, 0.0]]))
+        store.release()
+        found = read_calibration(tmp_path / name)
+        assert found == {**SAME, "model": "equidistant", "distortion": [0.1, 0.02, -1e-7, 0.0]}
+
+
+def test_many_coefficients_of_opencv_are_the_rational_model(tmp_path):
+    many = {**OPENCV, "distortion_coefficients": {"data": [0.1] * 8}}
+    assert read(tmp_path, json.dumps(many))["model"] == "rational_polynomial"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (json.dumps({**ROS, "camera_matrix": {"data": [1.0] * 8}}), "camera_matrix: data: found .* expected 9 numbers"),
+        (json.dumps({**ROS, "camera_matrix": "?"}), "camera_matrix: data: found None"),
+        (YAML.replace("image_width", "image_wide"), "image_width: found nothing, expected the size of the pictures"),
+        (YAML.replace("81.", "eighty"), "camera_matrix: data: found"),
+        ("%YAML:1.0\n---\ncamera_matrix: [", r"lens\.yaml"),
+        ("<opencv_storage><camera_matrix>", r"lens\.yaml"),
+    ],
+)
+def test_a_broken_calibration_is_one_line(tmp_path, text, said):
+    with pytest.raises(InputError, match=said) as told:
+        read(tmp_path, text)
+    assert "\n" not in str(told.value)

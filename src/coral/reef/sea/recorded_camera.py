@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,9 +16,10 @@ from pydantic import Field
 
 from coral.config import Positive, Signed, merge
 from coral.errors import InputError
+from coral.foreign_file import read_text
 from coral.lens import MOST_PIXELS, DistortionModel, Lens, check_lens
-from coral.reef.sea.calibration_file import read_calibration
 from coral.reef.vehicle.camera import CameraCfg
+from coral.yaml_file import load_mapping
 
 WIDEST_DEG = 120.0
 """Widest horizontal field of view of a rectified picture: beyond it a plane picture stretches its edges more than
@@ -24,6 +27,10 @@ fourfold, and no network here is trained on it."""
 LARGEST_WIDTH = 1280
 """Larger pictures are reduced to this width (px): over 90 degrees its pixels are 1.6 mm wide at 1 m, finer than any
 product needs."""
+MOUNT = ("pitch_down_deg", "altitude_m", "range_m", "near_m")
+"""Keys of a camera file that no calibration has: they may be added to it, at its top level."""
+_OPENCV_YAML = re.compile(r"\A%YAML[: ][0-9.]+")
+"""OpenCV's first line, which is none of YAML; its JSON is YAML as it stands."""
 
 Pixels = Annotated[int, Field(ge=1, le=65_536)]
 
@@ -131,6 +138,44 @@ def read_camera(path: Path, most_width: int = LARGEST_WIDTH) -> RecordedCamera:
         distortion=cfg.distortion,
     )
     return replace(RecordedCamera.of(lens, mount, where, most_width), altitude_given=cfg.altitude_m is not None)
+
+
+def read_calibration(path: Path) -> dict[str, Any]:
+    """Read a camera file, or a calibration that ROS or OpenCV wrote (YAML, JSON), with the keys of `CameraFileCfg`.
+
+    Raises:
+        InputError: It cannot be read, is neither YAML nor JSON, or is a calibration that is not whole.
+    """
+    where = str(path)
+    text = _OPENCV_YAML.sub("", read_text(path, "a camera file or a calibration")).replace("!!opencv-matrix", "")
+    content = load_mapping(text, where)
+    lower = {str(key).lower(): value for key, value in content.items()}  # OpenCV once wrote Camera_Matrix, image_Width
+    if "camera_matrix" not in lower:
+        return dict(content)
+    for key in ("image_width", "image_height"):
+        if key not in lower:
+            raise InputError(where, key, "nothing", "the size of the pictures (px): add it to the file")
+    k = _numbers(lower["camera_matrix"], where, "camera_matrix: data", 9)
+    distortion = _numbers(lower.get("distortion_coefficients", {"data": []}), where, "distortion_coefficients: data")
+    usual = "plumb_bob" if len(distortion) <= 5 else "rational_polynomial"
+    model = lower.get("distortion_model", "fisheye" if lower.get("fisheye_model") else usual)
+    return {
+        "width": lower["image_width"], "height": lower["image_height"],
+        "fx": k[0], "fy": k[4], "cx": k[2], "cy": k[5],
+        "model": "equidistant" if model == "fisheye" else model, "distortion": distortion,
+        **{key: content[key] for key in MOUNT if key in content},
+    }  # fmt: skip
+
+
+def _numbers(matrix: Any, where: str, field: str, count: int | None = None) -> list[Any]:
+    data = matrix.get("data") if isinstance(matrix, Mapping) else None
+    if (
+        isinstance(data, list)
+        and all(isinstance(one, int | float) for one in data)
+        and len(data) == (count or len(data))
+    ):
+        return data
+    raise InputError(where, field, repr(data)[:80], f"{count or 'some'} numbers")
 
 
 def rectified_size(lens: Lens, where: str, most_width: int = LARGEST_WIDTH) -> tuple[int, int, float]:
