@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 from coral.reef.mission.robot import Robot
 
@@ -43,14 +44,36 @@ class MissionLoop(ABC):
 
     def __init__(self, robot: Robot, ticks: Ticks) -> None:
         self.robot, self._ticks = robot, ticks
+        self.belief, self.pilot = robot.belief, robot.pilot
         self.step, self.t = 0, 0.0
         """Ticks that are done, and the time of the mission (s)."""
         self.end_reason = ""
         """Why the mission is over, or ""."""
+        self.calls = self.collisions = 0
+        """Questions that were asked, and contacts that the truth knows of."""
+        self.answer: str | None = None
+        """What the advisor answered when it said that a mission in words was done."""
         self.control_ms: list[float] = []
         """Wall time of the robot's computation at each tick (ms)."""
         self.tick_ms: list[float] = []
         """Wall time of each tick (ms), without waiting."""
+
+    @property
+    def instruction(self) -> str:
+        """The instruction of a mission in words, as it is now; "" without one."""
+        return self.pilot.planner.cfg.instruction.text
+
+    @property
+    def instructing(self) -> Callable[[str, str], bool] | None:
+        """How the instruction is changed, from any thread; None where there is none to change."""
+        return self.pilot.instruct if self.instruction else None
+
+    def count(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Take note of an event."""
+        self.calls += event == "question"
+        self.collisions += event == "collision"
+        if event == "held" and "answer" in fields:
+            self.answer = str(fields["answer"])
 
     @abstractmethod
     def located(self) -> None:

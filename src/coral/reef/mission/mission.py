@@ -134,20 +134,14 @@ class Mission(MissionLoop):
             eyes=eyes,
         )
         super().__init__(robot, SimulatedTicks(cfg.control_period_s))
-        self.belief, self.driver, self.pilot = robot.belief, robot.driver, robot.pilot
-        self.collisions = self.calls = 0
-        self.answer: str | None = None
-        """What the advisor answered when it said that a mission in words was done."""
+        self.driver = robot.driver
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         """Functions called with every event, as written to events.jsonl."""
         self._wall = self._stood_still_s = 0.0
 
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present tick."""
-        self.calls += event == "question"
-        self.collisions += event == "collision"
-        if event == "held" and "answer" in fields:
-            self.answer = str(fields["answer"])
+        self.count(event, fields)
         self.writer.event(self.step, self.t, event, **fields)
         for hear in self.listeners:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
@@ -247,8 +241,8 @@ class Mission(MissionLoop):
             clusters_total=len(self.world.clusters),
             **({"own_parts": self.exchanged} if self.exchanged else {}),
         )
-        if text := self.cfg.planner.instruction.text:
-            self.emit("instruction", text=text, by="start")
+        if self.instruction:
+            self.emit("instruction", text=self.instruction, by="start")
         self.judge.note(0, 0.0, self.simulator.pose)
 
     def _judged(self) -> float:
@@ -261,14 +255,9 @@ class Mission(MissionLoop):
             soon = oracle_bound(self.world, sim.camera, sim.imaging, visibility_m, sim.vehicle).time_s
         if self.cfg.decider == "oracle" and self.judge.words is not None:
             self.answer = true_answer(self.world)
-        text = self.pilot.planner.cfg.instruction.text
-        self.emit("judged", **self.judge.verdict(self.belief.tracks, self.collisions, text, self.answer, soon))
+        verdict = self.judge.verdict(self.belief.tracks, self.collisions, self.instruction, self.answer, soon)
+        self.emit("judged", **verdict)
         return time.perf_counter() - begun
-
-    @property
-    def instructing(self) -> Callable[[str, str], bool] | None:
-        """How the instruction of a mission in words is changed, from any thread; None where there is none to change."""
-        return self.pilot.instruct if self.cfg.planner.instruction.text else None
 
     def _finish(self) -> dict[str, Any]:
         timing = timing_of(self._wall, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms)

@@ -104,11 +104,7 @@ class SeaMission(MissionLoop):
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         belief = belief or Belief(OccupancyMap(area.size_m, sim.camera, mission.map, sim.sonar), mission.belief)
         belief.map.close_off(area.forbidden(mission.map.cell_m, belief.map.target.shape))
-        self.calls = self.collisions = 0
-        self.answer: str | None = None
-        """What the advisor answered when it said that a mission in words was done."""
         self.record = SeaRecord(folder, mission.record, crew.world, sim, threaded=threaded)
-        self.record.listeners.append(self._count)
         advisor = decider_of(mission, crew.advisor, seed)
         self._thread = None if decision_clock is not None else AdvisorThread()
         if self._thread is not None:
@@ -130,7 +126,7 @@ class SeaMission(MissionLoop):
         )
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
         super().__init__(robot, self.ticks)
-        self.belief, self.pilot = robot.belief, robot.pilot
+        self.record.listeners.append(lambda event: self.count(event["event"], event))
         self.states = self.pilot.safety.states
         """What the vehicle is doing, and why."""
         self.robot.localizer.recall(landmarks or LandmarkMap())
@@ -160,16 +156,6 @@ class SeaMission(MissionLoop):
     def coverage(self) -> float:
         """Share of the clusters: of the true ones in a simulated reef, else of those on the vehicle's own map."""
         return self._own()[1] if self.record.truth is None else self.record.truth.judge.coverage
-
-    @property
-    def instruction(self) -> str:
-        """The instruction of a mission in words, as it is now; "" without one."""
-        return self.pilot.planner.cfg.instruction.text
-
-    @property
-    def instructing(self) -> Callable[[str, str], bool] | None:
-        """How the instruction is changed, from any thread; None where there is none to change."""
-        return self.pilot.instruct if self.instruction else None
 
     def align(self, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
@@ -299,11 +285,6 @@ class SeaMission(MissionLoop):
         if self._recording and self.record.work.failure:
             self._recording = False
             self.emit("recording_stopped", reason=self.record.work.failure)
-
-    def _count(self, event: dict[str, Any]) -> None:
-        self.calls += event["event"] == "question"
-        self.collisions += event["event"] == "collision"
-        self.answer = event["answer"] if event["event"] == "held" and "answer" in event else self.answer
 
     def _finish(self) -> dict[str, Any]:
         """Leave the vehicle as the end asks for, write the results, and return them."""
