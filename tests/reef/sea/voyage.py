@@ -17,7 +17,6 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.latest_reading import LatestReading, Shot
-from coral.reef.sea.real_time import IdleCollector
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.sonar_packets import encode_packet
@@ -160,8 +159,7 @@ class Voyage:
         return ""
 
     def run(self):
-        idle = nullcontext(IdleCollector(self.clock, collect=lambda _: None))  # the tests' own garbage takes long
-        with mock.patch("coral.reef.sea.sea_mission.collected_when_idle", return_value=idle):
+        with mock.patch("coral.reef.sea.sea_mission.little_garbage", nullcontext):  # the tests' own takes long
             result = self.mission.run([self])
         assert re.split(r": | \(", result["end_reason"])[0] in {*texts.SURVEY_ENDS, "killed"}
         return result

@@ -11,17 +11,11 @@ from contextlib import contextmanager, suppress
 
 LATE_S = 0.1
 """A tick is late when its command goes out more than this after its deadline: a whole control period at 10 Hz."""
-COLLECT_S = 1.0
-"""Time between collections of young garbage, in the idle rest of a tick."""
-COLLECT_ALL_S = 30.0
-"""Time between collections of all garbage, in the idle rest of a tick."""
 SWITCH_S = 5e-4
 """A thread that wants to run Python code waits this long for the one that does (s)."""
 NICE = -10
 REAL_TIME = 10
 """Of 99: above all ordinary programs, below the threads of drivers."""
-SPARE_S = 0.02
-"""Least idle time for a collection; with less it waits for the next tick."""
 
 
 class FixedRate:
@@ -75,12 +69,12 @@ class FixedRate:
         return self._clock() - self._due
 
     def finish(self) -> float:
-        """Note that the tick's command is out. Return the time until the next deadline (s); negative if it passed."""
+        """Note that the tick's command is out. Return how long after its deadline (s)."""
         behind = self.behind_s
         self.done += 1
         self.late += behind > LATE_S
         self.ends_s.append(behind)
-        return self.period_s - behind
+        return behind
 
 
 class RealTicks:
@@ -113,43 +107,19 @@ class RealTicks:
         return self._t
 
 
-class IdleCollector:
-    """Collects Python's garbage in the idle rest of ticks, so that no collection falls into a tick's work."""
-
-    def __init__(
-        self, clock: Callable[[], float] = time.monotonic, collect: Callable[[int], object] = gc.collect
-    ) -> None:
-        self._clock, self._collect = clock, collect
-        self._young = self._all = clock()
-
-    def offer(self, spare_s: float) -> None:
-        """Use `spare_s` of idle time if a collection is due."""
-        now = self._clock()
-        if spare_s < SPARE_S:
-            return
-        if now - self._all >= COLLECT_ALL_S:
-            self._all = self._young = now
-            self._collect(2)
-        elif now - self._young >= COLLECT_S:
-            self._young = now
-            self._collect(1)
-
-
 @contextmanager
-def collected_when_idle() -> Iterator[IdleCollector]:
-    """Turn the automatic collection off, for a loop that offers its idle time instead.
+def little_garbage() -> Iterator[None]:
+    """Let collections of garbage look only at what is made from now on, not at libraries and compiled kernels.
 
-    What exists at the start (libraries, compiled kernels) is frozen: later collections do not look at it again.
+    A simulated survey of k1 then had 32 collections in 300 s, 58 ms together and none of all generations; one of these
+    took 0.8 s before.
     """
-    was_on, were_frozen = gc.isenabled(), gc.get_freeze_count() > 0
+    were_frozen = gc.get_freeze_count() > 0
     gc.collect()
     gc.freeze()
-    gc.disable()
     try:
-        yield IdleCollector()
+        yield
     finally:
-        if was_on:
-            gc.enable()
         if not were_frozen:
             gc.unfreeze()
 

@@ -33,7 +33,7 @@ from coral.reef.sea.latest_reading import LatestReading, LatestShot
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
 from coral.reef.sea.operator import OperatorWords, VehicleOrders
-from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_idle, prompt_threads
+from coral.reef.sea.real_time import RealTicks, little_garbage, prompt_threads
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyMonitor, SailCfg
 from coral.reef.sea.supervisor import Supervisor
@@ -169,11 +169,11 @@ class SeaMission(MissionLoop):
 
     def run(self, observers: Sequence[Observer[SeaMission]] = ()) -> dict[str, Any]:
         """Survey until the end. The vehicle must be armed. Return metrics and timing together."""
-        with collected_when_idle() as idle, prompt_threads():
+        with little_garbage(), prompt_threads():
             self._begin()
             try:
                 while not self.end_reason:
-                    self.advance(idle)
+                    self.advance()
                     for observer in observers:
                         observer.tick(self)
                         self.end_reason = self.end_reason or observer.stop_requested()
@@ -181,17 +181,14 @@ class SeaMission(MissionLoop):
                 result = self._finish()
         return result
 
-    def advance(self, idle: IdleCollector | None = None) -> None:
-        """Run one control tick; `idle` may use what is left of its time."""
+    def advance(self) -> None:
+        """Run one control tick."""
         super().advance()
         late = self.ticks.rate.late
-        spare_s = self.ticks.rate.finish()
+        behind_ms = round(1e3 * self.ticks.rate.finish())
         if self.ticks.rate.late > late:
-            behind_ms = round(1e3 * (self.ticks.rate.period_s - spare_s))
             control_ms = round(self.control_ms[-1])
             self.emit("late_tick", behind_ms=behind_ms, woken_ms=self.ticks.woken_ms, control_ms=control_ms)
-        if idle is not None:
-            idle.offer(spare_s)
 
     def located(self) -> None:
         """Tell what the autopilot said, and note how old the picture is."""
