@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.sea.latest_reading import Shot
-from coral.reef.sea.real_time import FixedRate
+from coral.reef.sea.real_time import RealTicks
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -36,14 +36,14 @@ class SimulatedSensor(Generic[T]):
     ) -> None:
         """Set up; measure(t, pose) returns what the sensor finds at a monotonic time (s) and a pose of the vehicle."""
         self.name, self._where, self._measure = name, where, measure
-        self._rate = FixedRate(1.0 / rate_hz, clock, sleep)
+        self._ticks = RealTicks(1.0 / rate_hz, clock, sleep)
 
     def read(self) -> T | None:
         """Wait for the next measurement; None while nobody knows where the vehicle is."""
-        self._rate.wait()
+        self._ticks.wait()
         found = self._where()
         measured = None if found is None else self._measure(*found)
-        self._rate.finish()
+        self._ticks.finish()
         return measured
 
     def close(self) -> None:

@@ -175,8 +175,8 @@ class SurveyTopics:
         status.name, status.hardware_id = "coral: survey", run.area.name
         status.level = ERROR if run.end_reason else OK if state == "surveying" else WARN
         status.message = run.end_reason or (f"{state}: {states.reason}" if states.reason else state)
-        rate = run.ticks.rate
-        told = {"ticks": rate.done, "late ticks": rate.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
+        ticks = run.ticks
+        told = {"ticks": ticks.done, "late ticks": ticks.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
         told["tf"] = self._transform.told
         status.values = [
             ros_type("diagnostic_msgs.msg.KeyValue")(key=key, value=str(value)) for key, value in told.items()

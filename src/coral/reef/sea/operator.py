@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import queue
-import threading
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
@@ -56,31 +56,28 @@ class VehicleOrders:
     """
 
     def __init__(self, link: VehicleLink, *, threaded: bool = True) -> None:
-        """Start the thread; without `threaded` an order is carried out at once, for tests."""
-        self._link, self._threaded = link, threaded
-        self._changed = threading.Condition()
-        self._next: Order | None = None
-        self._busy: Order | None = None
-        self._closed = False
+        """Set up; without `threaded` an order is carried out at once, for tests."""
+        self._link = link
+        self._thread = ThreadPoolExecutor(1, "coral-orders") if threaded else None
+        self._given: list[tuple[Order, Future[None]]] = []
         self._results: queue.SimpleQueue[OrderResult] = queue.SimpleQueue()
-        self._thread = threading.Thread(target=self._work, name="coral-orders", daemon=True) if threaded else None
-        if self._thread is not None:
-            self._thread.start()
 
     @property
     def pending(self) -> Order | None:
         """The order that waits or is under way."""
-        return self._next or self._busy
+        self._given = [(order, outcome) for order, outcome in self._given if not outcome.done()]
+        return self._given[-1][0] if self._given else None
 
     def give(self, order: Order) -> None:
         """Give an order; return at once."""
-        with self._changed:
-            if order == self.pending:
-                return
-            self._next = order
-            self._changed.notify()
-        if not self._threaded:
-            self._carry_out()
+        if order == self.pending:
+            return
+        for _, outcome in self._given:
+            outcome.cancel()
+        if self._thread is None:
+            self._carry_out(order)
+        else:
+            self._given.append((order, self._thread.submit(self._carry_out, order)))
 
     def results(self) -> list[OrderResult]:
         """Return what became of orders since the last call."""
@@ -94,28 +91,11 @@ class VehicleOrders:
             sleep(0.05)
 
     def close(self) -> None:
-        """End the thread; an order under way is finished first."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify()
+        """End the thread when the order under way is finished; nothing waits for that here."""
         if self._thread is not None:
-            self._thread.join(5.0)
+            self._thread.shutdown(wait=False)
 
-    def _work(self) -> None:
-        while True:
-            with self._changed:
-                while self._next is None and not self._closed:
-                    self._changed.wait()
-                if self._next is None:
-                    return
-            self._carry_out()
-
-    def _carry_out(self) -> None:
-        with self._changed:
-            order, self._next = self._next, None
-            self._busy = order
-        if order is None:
-            return
+    def _carry_out(self, order: Order) -> None:
         try:
             getattr(self._link, order)()
             result = OrderResult(order)
@@ -124,5 +104,3 @@ class VehicleOrders:
         except Exception as error:  # an order must never end the thread that gives the next one
             result = OrderResult(order, first_line(error))
         self._results.put(result)
-        with self._changed:
-            self._busy = None

@@ -18,8 +18,8 @@ REAL_TIME = 10
 """Of 99: above all ordinary programs, below the threads of drivers."""
 
 
-class FixedRate:
-    """Waits for deadlines `start + k * period`. An error of one wait does not shift the later ones.
+class RealTicks:
+    """Ticks at a fixed rate in real time: deadlines are `start + k * period`, so that no error shifts the later ones.
 
     After a delay longer than a period the deadlines in between are skipped, not made up for: a vehicle that gets ten
     old commands at once is worse off than one that gets a new one late.
@@ -40,13 +40,27 @@ class FixedRate:
         """Late ticks that were left out, because their deadline had passed before the last one was done."""
         self.ends_s: list[float] = []
         """From each tick's deadline to the end of its work (s)."""
+        self.woken_ms = 0
+        """How late the present tick of a mission began (ms)."""
         self.start()
 
     def start(self) -> float:
         """Begin anew: the first deadline is now. Return it (s)."""
-        self._start = self._due = self._clock()
-        self._next = 0
+        self._start = self._due = self.now_s = self._clock()
+        self._next, self._t = 0, 0.0
         return self._start
+
+    def begin(self, step: int) -> tuple[float, float]:
+        """Wait for the next deadline. Return the time since the start, and that since the last tick (s)."""
+        self.wait()
+        self.woken_ms = round(1e3 * self.behind_s)
+        self.now_s, before = self._clock(), self._t
+        self._t = round(self.now_s - self._start, 6)
+        return self._t, self._t - before if step else 0.0
+
+    def end(self, step: int) -> float:
+        """Return the time of the tick (s): that at which it began."""
+        return self._t
 
     def wait(self) -> float:
         """Wait for the next deadline. Return its time since the loop began (s)."""
@@ -75,36 +89,6 @@ class FixedRate:
         self.late += behind > LATE_S
         self.ends_s.append(behind)
         return behind
-
-
-class RealTicks:
-    """Ticks of the mission loop in real time: they come at a fixed rate and say what time it is."""
-
-    def __init__(
-        self, period_s: float, clock: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep
-    ) -> None:
-        self._clock = clock
-        self._t = self._began_s = self.now_s = 0.0
-        self.woken_ms = 0
-        """How late the present tick began (ms)."""
-        self.rate = FixedRate(period_s, clock, sleep)
-
-    def start(self) -> float:
-        """Begin: the first tick is due now. Return the monotonic time (s)."""
-        self._began_s = self.rate.start()
-        return self._began_s
-
-    def begin(self, step: int) -> tuple[float, float]:
-        """Wait for the next deadline. Return the time since the start, and that since the last tick (s)."""
-        self.rate.wait()
-        self.woken_ms = round(1e3 * self.rate.behind_s)
-        self.now_s, before = self._clock(), self._t
-        self._t = round(self.now_s - self._began_s, 6)
-        return self._t, self._t - before if step else 0.0
-
-    def end(self, step: int) -> float:
-        """Return the time of the tick (s): that at which it began."""
-        return self._t
 
 
 @contextmanager

@@ -50,7 +50,7 @@ UNWIND = 0.8
 """At this share of the turns that the tether may have, the vehicle turns back on the spot, by all of them."""
 LOST_S = 60.0
 """A resumed survey that has not found itself on the saved map by then says so."""
-ORDER_S = 6.0
+ORDER_S = 11.0
 """Longest wait for the last order at the end."""
 
 
@@ -184,9 +184,9 @@ class SeaMission(MissionLoop):
     def advance(self) -> None:
         """Run one control tick."""
         super().advance()
-        late = self.ticks.rate.late
-        behind_ms = round(1e3 * self.ticks.rate.finish())
-        if self.ticks.rate.late > late:
+        late = self.ticks.late
+        behind_ms = round(1e3 * self.ticks.finish())
+        if self.ticks.late > late:
             control_ms = round(self.control_ms[-1])
             self.emit("late_tick", behind_ms=behind_ms, woken_ms=self.ticks.woken_ms, control_ms=control_ms)
 
@@ -313,14 +313,14 @@ class SeaMission(MissionLoop):
         return self._results()
 
     def _results(self) -> dict[str, Any]:
-        rate, record = self.ticks.rate, self.record
+        ticks, record = self.ticks, self.record
         metrics = compute_metrics(record.folder) | {
             "judged_by": OWN_MAP if record.truth is None else TRUTH,
-            "late_ticks": rate.late,
-            "skipped_ticks": rate.skipped,
-            "ticks": rate.done,
-            "worst_tick_ms": round(1e3 * max(rate.ends_s, default=0.0), 1),
-            "tick_ms_p999": round(1e3 * float(np.percentile(rate.ends_s or [0.0], 99.9)), 1),
+            "late_ticks": ticks.late,
+            "skipped_ticks": ticks.skipped,
+            "ticks": ticks.done,
+            "worst_tick_ms": round(1e3 * max(ticks.ends_s, default=0.0), 1),
+            "tick_ms_p999": round(1e3 * float(np.percentile(ticks.ends_s or [0.0], 99.9)), 1),
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),
