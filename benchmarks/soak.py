@@ -78,7 +78,7 @@ def leg(world: Path, folder: Path, earlier: Sequence[str], limit_s: float) -> No
         assert autopilot.stderr is not None
         address = autopilot.stderr.readline().split("listens at ")[1].split(";")[0]
         command = [*CORAL, "reef", "sail", str(world), "--vehicle", address, "--truth", address, "--yes", "--quiet"]
-        command += ["--no-preflight", "--priority", "normal", "--cfg.time-limit-s", "1000000", *earlier]
+        command += ["--no-preflight", "--cfg.time-limit-s", "1000000", *earlier]
         command += ["--safety.on-time", "none", "--safety.battery-min", "0", "--cfg.no-stop-when-covered"]
         process = subprocess.Popen([*command, "--out", str(folder)], stdout=subprocess.DEVNULL)
         print(f"\n{folder.name} {' '.join(earlier)}\n\n{HEAD}\n|---:|---:|---:|---:|---:|---:|", flush=True)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.model_cfg import ModelCfg
@@ -35,7 +35,6 @@ from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import Equipment
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.sea.real_time import prefer_process
 from coral.reef.sea.safety import SafetyCfg, SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
@@ -69,9 +68,6 @@ class ReefSail(SailFlags):
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be about where
     `--start` says, by default at the area's start again: it finds its place by the obstacles that it sees again."""
-    priority: Literal["high", "normal"] = "high"
-    """high: the program and its control thread go before other programs, where the system allows it (root, or limits
-    for nice and rtprio)."""
     yes: bool = False
     """Arm without asking. For rehearsals only: refused unless the vehicle is a simulation that proves to be one."""
     check: bool = False
@@ -111,7 +107,6 @@ class ReefSail(SailFlags):
 
     def _sail(self, opened: ExitStack) -> Mapping[str, Any]:
         cfg = self._config()
-        first = self.priority == "high" and prefer_process()
         area, world, file_depth = read_area(self.area)
         text = None if world is None else world.mission
         cfg = instructed(cfg, text) if self.instruction is None else with_instruction(cfg, self.instruction, text)
@@ -191,7 +186,7 @@ class ReefSail(SailFlags):
             self._arm(mission, parts, words)
             if self.camera != "simulated":
                 shown.enter_context(lens_told(folder, self._say, our_part("lens", "check", "--camera")))
-            result = conduct(mission, observers, words, first=first)
+            result = conduct(mission, observers, words)
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)

@@ -13,7 +13,6 @@ from coral.commands.keyboard import Keyboard
 from coral.errors import RunError
 from coral.interrupts import SIGNALS, handling
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.sea.real_time import describe_priority, prefer_thread
 from coral.reef.sea.sea_mission import SeaMission
 from coral.run_loop import Observer
 
@@ -21,12 +20,8 @@ STOP_S = 5.0
 """Time for the work to end when the keyboard fails."""
 
 
-def conduct(
-    mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
-) -> dict[str, Any]:
+def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords) -> dict[str, Any]:
     """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt it.
-
-    With `first`, its thread goes before all ordinary programs, where the system allows it.
 
     Raises:
         RunError: The loop failed; the vehicle was told to hold.
@@ -35,8 +30,7 @@ def conduct(
 
     def control() -> None:
         try:
-            allowed = describe_priority(first, first and prefer_thread())
-            done.set_result({**mission.run(observers), "priority": allowed})
+            done.set_result(mission.run(observers))
         except BaseException as error:
             done.set_exception(error)
 

@@ -1,15 +1,11 @@
 import gc
-import os
 import sys
 
 import pytest
 
 from coral.reef.sea.real_time import (
     RealTicks,
-    describe_priority,
     little_garbage,
-    prefer_process,
-    prefer_thread,
     prompt_threads,
 )
 
@@ -107,36 +103,3 @@ def test_ticks_say_what_time_it_is_and_how_long_the_last_one_was():
     assert found[0] == (0.0, 0.0)
     assert found[1] == pytest.approx((0.13, 0.13))
     assert found[2] == pytest.approx((0.2003, 0.0703), abs=1e-6)
-
-
-def refuse(*_):
-    raise PermissionError("not allowed")
-
-
-@pytest.mark.parametrize(
-    ("process", "thread", "words"),
-    [
-        (True, True, "real time"),
-        (True, False, "nice -10"),
-        (False, True, "real time for control alone"),
-        (False, False, "ordinary"),
-    ],
-)
-def test_what_was_allowed_is_told(process, thread, words):
-    assert describe_priority(process, thread) == words
-
-
-def test_a_system_that_refuses_is_no_error(monkeypatch):
-    monkeypatch.setattr(os, "setpriority", refuse, raising=False)
-    monkeypatch.setattr(os, "sched_setscheduler", refuse, raising=False)
-    assert not prefer_process()
-    assert not prefer_thread()
-
-
-def test_the_priorities_are_asked_for(monkeypatch):
-    asked = []
-    monkeypatch.setattr(os, "setpriority", lambda *words: asked.append(words[2]))
-    monkeypatch.setattr(os, "sched_setscheduler", lambda pid, policy, param: asked.append(param.sched_priority))
-    assert prefer_process()
-    assert prefer_thread()
-    assert asked == [-10, 10]

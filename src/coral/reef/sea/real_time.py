@@ -1,21 +1,17 @@
-"""Ticks at a fixed rate in wall time (absolute deadlines, no drift, no bursts after a delay), before other programs."""
+"""Ticks at a fixed rate in wall time: absolute deadlines, no drift, no bursts after a delay."""
 
 from __future__ import annotations
 
 import gc
-import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 LATE_S = 0.1
 """A tick is late when its command goes out more than this after its deadline: a whole control period at 10 Hz."""
 SWITCH_S = 5e-4
 """A thread that wants to run Python code waits this long for the one that does (s)."""
-NICE = -10
-REAL_TIME = 10
-"""Of 99: above all ordinary programs, below the threads of drivers."""
 
 
 class RealTicks:
@@ -117,29 +113,3 @@ def prompt_threads() -> Iterator[None]:
         yield
     finally:
         sys.setswitchinterval(before)
-
-
-def prefer_process() -> bool:
-    """Let this program go before ordinary ones, threads that start later included. Return whether it was allowed."""
-    with suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
-        return True
-    return False
-
-
-def prefer_thread() -> bool:
-    """Let the calling thread go before all ordinary programs (SCHED_RR). Return whether it was allowed.
-
-    Linux keeps 5 % of the time for the others, so that a thread that runs wild does not stop the machine.
-    """
-    with suppress(OSError, AttributeError):
-        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(REAL_TIME))
-        return True
-    return False
-
-
-def describe_priority(process: bool, thread: bool) -> str:
-    """Return in words what was allowed."""
-    if thread:
-        return "real time" if process else "real time for control alone"
-    return f"nice {NICE}" if process else "ordinary"
