@@ -3,18 +3,13 @@ import time
 import pytest
 
 from coral.errors import InputError
-from coral.ros.ros_node import OLD_S, Newest, OtherClockError, beside, ros_type, ros_words
+from coral.ros.ros_node import OLD_S, Newest, OtherClockError, ros_type, ros_words
 from reef.ros.fake_ros import FakeNode, message
 
 
 def test_without_ros_the_flag_and_the_way_out_are_named():
     with pytest.raises(InputError, match=r"--camera: found no nowhere_msgs .* source its setup.bash"):
         ros_type("nowhere_msgs.msg.Image", "--camera")
-
-
-@pytest.mark.parametrize(("topic", "found"), [("/front/image", "/front/info"), ("image", "info"), ("/image", "/info")])
-def test_a_topic_beside_another_one(topic, found):
-    assert beside(topic, "info") == found
 
 
 def test_a_place_is_a_namespace_and_files(tmp_path):

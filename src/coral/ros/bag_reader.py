@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -133,13 +132,12 @@ def _library(path: Path) -> Any:
         InputError: rosbags is not installed.
     """
     try:
-        from rosbags.highlevel import AnyReader, anyreader
+        from rosbags.highlevel import AnyReader
         from rosbags.rosbag1 import reader as rosbag1
         from rosbags.rosbag2 import storage_mcap
     except ImportError:
         raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
     _bound_chunks(storage_mcap, rosbag1)
-    _remember_definitions(anyreader)
     return AnyReader
 
 
@@ -185,12 +183,6 @@ def _metadata(path: Path) -> dict[str, Any]:
         return {}
     about = load_mapping(read_text(known, EXPECTED), str(known)).get("rosbag2_bagfile_information")
     return about if isinstance(about, dict) else {}
-
-
-def _remember_definitions(anyreader: Any) -> None:
-    """Make the library parse each text that defines messages once: a map opens its recording a dozen times."""
-    if not hasattr(anyreader.get_types_from_msg, "cache_info"):
-        anyreader.get_types_from_msg = lru_cache(maxsize=256)(anyreader.get_types_from_msg)
 
 
 def _bound_chunks(storage_mcap: Any, rosbag1: Any) -> None:

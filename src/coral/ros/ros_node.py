@@ -37,12 +37,6 @@ def ros_type(name: str, flag: str = "--vehicle") -> Any:
         raise InputError(flag, "", f"no {module.partition('.')[0]} ({first_line(error)})", wanted) from None
 
 
-def beside(topic: str, name: str) -> str:
-    """Return the name of a topic in the same place as another one."""
-    head, slash, _ = topic.rpartition("/")
-    return f"{head}{slash}{name}"
-
-
 def ros_words(place: str, flag: str) -> list[str]:
     """Return what ROS calls arguments, for the namespace and the files of parameters of a node.
 

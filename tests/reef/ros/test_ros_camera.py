@@ -89,6 +89,7 @@ def test_a_picture_of_another_clock_counts_as_old():
 
 def test_the_topic_beside_pictures():
     assert info_topic(RAW) == info_topic(f"{RAW}/compressed") == "/front/camera_info"
+    assert (info_topic("image"), info_topic("/image")) == ("camera_info", "/camera_info")
 
 
 def test_the_stated_lens_rectifies_is_named_and_keeps_its_mount():

@@ -18,7 +18,7 @@ from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.sea.video_camera import WIDEST_PX, resized
 from coral.reef.vehicle.camera import CameraCfg
 from coral.ros.camera_pictures import colours_in, lens_of
-from coral.ros.ros_node import Newest, RosNode, beside, ros_type
+from coral.ros.ros_node import Newest, RosNode, ros_type
 
 FIRST_S, NEXT_S = 10.0, 1.0
 """Longest wait for the first picture or its CameraInfo, and for any other picture at a time."""
@@ -149,8 +149,9 @@ class RosCamera:
 
 
 def info_topic(topic: str) -> str:
-    """Return the topic of the CameraInfo that belongs to pictures."""
-    return beside(topic.removesuffix("/compressed"), "camera_info")
+    """Return the topic of the CameraInfo that belongs to pictures: beside theirs."""
+    head, slash, _ = topic.removesuffix("/compressed").rpartition("/")
+    return f"{head}{slash}camera_info"
 
 
 def camera_of(message: Any, topic: str, mount: CameraCfg) -> RecordedCamera | None:
