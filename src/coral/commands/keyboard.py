@@ -1,21 +1,30 @@
-"""The operator's keyboard during a survey: single keys on a terminal, words on a pipe."""
+"""The operator's terminal during a survey: keys, words on a pipe and signals, beside the thread of the control loop."""
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
+import signal
 import sys
-from collections.abc import Callable, Iterator
-from typing import IO
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import contextmanager, suppress
+from typing import IO, Any
 
+from coral.errors import RunError
+from coral.interrupts import SIGNALS, handling
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
+from coral.reef.sea.sea_mission import SeaMission
+from coral.run_loop import Observer
 from coral.terminal import tell
 
 KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "b": "home", "q": "stop", "s": "surface"}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  b: back to the start  s: surface  q: stop"
 WAIT_S = 0.1
+STOP_S = 5.0
+"""Time for the work to end when the keyboard fails."""
 
 
 class Keyboard:
@@ -78,7 +87,7 @@ class Keyboard:
         self._ended = not data
         return data.decode("utf-8", "replace")
 
-    @contextlib.contextmanager
+    @contextmanager
     def _single_keys(self) -> Iterator[bool]:
         """Read keys one by one if the input is a terminal; yield whether it is."""
         try:
@@ -100,3 +109,51 @@ class Keyboard:
             yield True
         finally:
             termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+
+
+def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords) -> dict[str, Any]:
+    """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt it.
+
+    Raises:
+        RunError: The loop failed; the vehicle was told to hold.
+    """
+    done: Future[dict[str, Any]] = Future()
+
+    def control() -> None:
+        try:
+            done.set_result(mission.run(observers))
+        except BaseException as error:
+            done.set_exception(error)
+
+    thread = threading.Thread(target=control, name="coral-control", daemon=True)
+    try:
+        with signals_as_words(words):
+            thread.start()
+            try:
+                Keyboard(words).listen(done.done)
+            except BaseException:
+                words.say("stop", "failure")  # nothing may command the vehicle after the program has ended
+                thread.join(STOP_S)
+                raise
+        return done.result()
+    except Exception as error:
+        raise RunError(f"the survey failed: {type(error).__name__}: {error}") from error
+
+
+@contextmanager
+def signals_as_words(words: OperatorWords) -> Iterator[None]:
+    """Let Ctrl-C, SIGTERM and SIGHUP stop the survey in order: the vehicle holds before the program ends."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: handler for number in SIGNALS if (handler := signal.getsignal(number)) is not signal.SIG_IGN}
+
+    def stop(number: int, _: object) -> None:
+        words.say("stop", signal.Signals(number).name)
+        handler = before[number]
+        if number != signal.SIGINT and callable(handler):
+            with suppress(KeyboardInterrupt):
+                handler(number, None)  # notes the signal for the exit code
+
+    with handling(dict.fromkeys(before, stop)):
+        yield

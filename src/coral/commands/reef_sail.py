@@ -17,9 +17,8 @@ from coral.advisor.registry import advisor_help, asks_person
 from coral.check_line import blocking
 from coral.commands.around_run import list_made, mission_notice, render
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, Keyboard
+from coral.commands.keyboard import HELP, Keyboard, conduct
 from coral.commands.reef_run import fulfilled
-from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, SailFlags, open_camera, open_parts, read_area, warm_up, watch_sensors
 from coral.commands.sail_told import lens_told, survey_told
 from coral.config import Positive, checked, merge, read_config
