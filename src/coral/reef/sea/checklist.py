@@ -70,6 +70,7 @@ def preflight_list(
     """Make the list at a monotonic time (s)."""
     safety, mission = cfg.safety, cfg.mission
     words = " ".join(mission.planner.instruction.text.split())
+    judge = "judged by the truth of the simulated reef" if equipment.judged else "nobody judges it"
     return [
         _link(report, equipment),
         _pose(now, report, rates, equipment, safety),
@@ -94,7 +95,7 @@ def preflight_list(
             "time", f"{mission.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
         ),
         *([_resumed(equipment, area)] if equipment.resumed else []),
-        *([_instruction(words, equipment)] if words else []),
+        *([CheckLine("instruction", f"{words} - {judge}")] if words else []),
         CheckLine("advisor", equipment.advisor),
         CheckLine("recording", equipment.folder),
     ]
@@ -104,11 +105,6 @@ def _resumed(equipment: Equipment, area: SurveyArea) -> CheckLine:
     x, y, theta = area.start
     place = f"({x:g}, {y:g}) m, heading {math.degrees(theta):.0f} degrees"
     return CheckLine("map", f"that of {equipment.resumed}: the vehicle must now be about {place}")
-
-
-def _instruction(words: str, equipment: Equipment) -> CheckLine:
-    judge = "judged by the truth of the simulated reef" if equipment.judged else "nobody judges it"
-    return CheckLine("instruction", f"{words} - {judge}")
 
 
 def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:

@@ -179,7 +179,7 @@ class Supervisor:
             return
         self._clear_since = None
         if breach.action == "return":
-            self._begin_return(t, breach, state)
+            self._begin_return(breach, state)
             return
         if self._breach is not None and self._breach.cause == breach.cause:
             self._go_on = None if self.states.by is _VEHICLE else self._go_on
@@ -195,7 +195,7 @@ class Supervisor:
     def _tell_breach(self, breach: Breach) -> None:
         self._tell("limit", cause=breach.cause, reason=breach.reason, action=breach.action)
 
-    def _begin_return(self, t: float, breach: Breach, state: PilotState) -> None:
+    def _begin_return(self, breach: Breach, state: PilotState) -> None:
         if self.returning or state not in (PilotState.SURVEYING, PilotState.HOLDING):
             return
         self._tell_breach(breach)
