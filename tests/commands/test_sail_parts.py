@@ -47,11 +47,11 @@ def test_a_rehearsal_needs_a_reef_of_the_same_size(survey):
 
 
 @contextmanager
-def opened(flags):
+def opened(flags, cfg=None):
     area, world, depth = read_area(flags.area)
     with ExitStack() as stack:
-        cfg, camera = open_camera(flags, MissionCfg(), stack)
-        yield stack.enter_context(open_parts(flags, area, world, cfg, depth, camera))
+        cfg, camera = open_camera(flags, cfg or MissionCfg(), stack)
+        yield open_parts(flags, area, world, cfg, depth, stack, camera)
 
 
 def test_the_simulated_vehicle_begins_where_the_area_does_and_sees_the_reef():
@@ -125,8 +125,7 @@ def test_the_lens_of_a_real_camera_is_that_of_its_file_or_else_the_one_that_is_f
 
 
 def test_the_configured_network_looks_at_the_cameras_pictures():
-    area, world, depth = read_area("s1")
-    with open_parts(ReefSail(area="s1"), area, world, MissionCfg(perception="painted"), depth) as parts:
+    with opened(ReefSail(area="s1"), MissionCfg(perception="painted")) as parts:
         assert isinstance(parts.camera.eyes, ReefNetEyes)
         assert parts.camera.source.read().frame.rgb is not None  # painted, for there is no other way to see
 
@@ -143,8 +142,7 @@ def test_a_survey_without_a_reef_has_nothing_to_simulate(survey):
 
 
 def test_a_simulated_sonar_hears_the_reef():
-    area, world, depth = read_area("s1")
-    with open_parts(ReefSail(area="s1", sonar="simulated"), area, world, with_sonar(MissionCfg()), depth) as parts:
+    with opened(ReefSail(area="s1", sonar="simulated"), with_sonar(MissionCfg())) as parts:
         parts.place()
         for _ in range(200):
             if parts.sonar.latest is not None:

@@ -117,7 +117,7 @@ class ReefSail(SailFlags):
         belief, landmarks, sim = None, LandmarkMap(), cfg.simulator
         if self.resume is not None:
             belief, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
-        parts = opened.enter_context(open_parts(self, area, world, cfg, depth, camera))
+        parts = open_parts(self, area, world, cfg, depth, opened, camera)
         for told in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(told)
         if self.yes and not parts.proven_simulation:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -170,31 +170,30 @@ def open_camera(flags: SailFlags, cfg: MissionCfg, opened: ExitStack) -> tuple[M
     return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=view)), camera
 
 
-@contextmanager
 def open_parts(
     flags: SailFlags,
     area: SurveyArea,
     world: ReefWorld | None,
     cfg: MissionCfg,
     depth_m: float,
+    opened: ExitStack,
     camera: LatestShot | None = None,
-) -> Iterator[Parts]:
-    """Open vehicle, simulated camera and sonar, and close them at the end; `camera` is a real one, open already.
+) -> Parts:
+    """Open vehicle, simulated camera and sonar, which `opened` closes; `camera` is a real one, open already.
 
     Raises:
         InputError: A name is wrong, or something does not answer.
     """
-    with ExitStack() as opened:
-        parts = _vehicle(flags, area, world, cfg, depth_m, opened)
-        if camera is None:
-            parts.camera = _simulated_camera(flags, _needed(world, "--camera"), cfg, parts)
-            opened.callback(parts.camera.close)
-        else:
-            parts.camera, parts.reef = camera, None
-        if flags.sonar != "none":
-            parts.sonar = LatestReading(_sonar(flags, world, cfg, parts), "coral-sonar")
-            opened.callback(parts.sonar.close)
-        yield parts
+    parts = _vehicle(flags, area, world, cfg, depth_m, opened)
+    if camera is None:
+        parts.camera = _simulated_camera(flags, _needed(world, "--camera"), cfg, parts)
+        opened.callback(parts.camera.close)
+    else:
+        parts.camera, parts.reef = camera, None
+    if flags.sonar != "none":
+        parts.sonar = LatestReading(_sonar(flags, world, cfg, parts), "coral-sonar")
+        opened.callback(parts.sonar.close)
+    return parts
 
 
 def _needed(world: ReefWorld | None, where: str) -> ReefWorld:

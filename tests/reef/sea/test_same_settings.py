@@ -3,6 +3,7 @@
 import dataclasses
 import sys
 from collections import defaultdict
+from contextlib import ExitStack
 
 import pytest
 from voyage import WORLD, Voyage
@@ -74,6 +75,6 @@ def test_what_a_run_reads_is_read_at_sea(reads, tmp_path):
     voyage.run()
     flags = ReefSail(area="s1", cfg=cfg, safety=SafetyCfg(reserve_s=0.0), sonar="simulated")
     area, world, depth = read_area(flags.area)
-    with open_parts(flags, area, world, flags._config(), depth):
-        pass
+    with ExitStack() as opened:
+        open_parts(flags, area, world, flags._config(), depth, opened)
     assert in_run - taken(reads) - set(NOT_AT_SEA) == set()
