@@ -15,6 +15,7 @@ from coral.reef.vehicle.sensing import Stamped
 from coral.ros.ros_node import OLD_S, RosNode
 
 pytestmark = pytest.mark.ros2
+SMALL = CameraCfg(width=8, height=4)
 BEGUN = 100.0
 """The simulation's time when it begins (s)."""
 
@@ -66,7 +67,7 @@ def test_what_is_seen_and_heard_is_as_old_as_it_is_by_the_simulators_clock(tmp_p
     file = tmp_path / "vehicle.yaml"
     file.write_text(f"/**:\n  ros__parameters:\n    use_sim_time: {str(with_clock).lower()}\n")
     with simulator():
-        seen = age_of(RosCamera("/clocked/camera/image", 0.0, lambda rgb: rgb, CameraCfg(), str(file)))
+        seen = age_of(RosCamera("/clocked/camera/image", 0.0, SMALL, str(file)))
         heard = age_of(ros_sonar.RosSonar("/clocked/ranges", SonarCfg(), str(file)))
     for age_s in (seen, heard):
         assert oldest_s - 1.0 < age_s < oldest_s
@@ -74,6 +75,6 @@ def test_what_is_seen_and_heard_is_as_old_as_it_is_by_the_simulators_clock(tmp_p
 
 def test_a_topic_without_a_slash_is_in_the_vehicles_namespace():
     with simulator():
-        camera = RosCamera("camera/image", 0.0, lambda rgb: rgb, CameraCfg(), "/clocked")
+        camera = RosCamera("camera/image", 0.0, SMALL, "/clocked")
         assert "8x4" in camera.name
         camera.close()
