@@ -74,7 +74,7 @@ NAMED = {
     "codes-survey": ("code | what", "reference_texts:SURVEY_CODES"),
     "codes-task": ("code | what", "reference_texts:TASK_CODES"),
     "diagnoses": ("diagnosis | what", "coral.contact.thinker.diagnosis:TEXTS"),
-    "libero": ("kind | what", "coral.contact.libero.task:KINDS"),
+    "libero": ("kind | what", "coral.contact.libero.package:SUITES"),
     "addresses": ("address | what", "coral.reef.sea.transport:FORMS"),
     "policy-observation": ("key | what", "coral.contact.policy.libero_convention:OBSERVATION"),
 }

@@ -31,7 +31,7 @@ class ObjectPoses:
 
     A datagram is `{"objects": {"NAME": {"position": [x, y, z], "quaternion": [w, x, y, z]}}}`, in metres and the world
     frame, or with `"in": "tool"` in the tool's: such an object moves with the hand until the next datagram. It may name
-    some of the objects only. A datagram that is anything else is counted and otherwise ignored. Port 0 takes a free
+    some of the objects only. A datagram that is anything else is ignored. Port 0 takes a free
     one.
 
     Raises:
@@ -48,7 +48,6 @@ class ObjectPoses:
             self._socket.close()
             raise InputError("--cfg", "franka.poses_port", f"{host}:{port} ({error.strerror})", "a free port") from None
         self.port: int = self._socket.getsockname()[1]
-        self.malformed = 0
         self.poses: dict[str, BodyState] = {}
         """The newest pose of every object that was ever seen."""
         self._held: dict[str, BodyState] = {}
@@ -65,16 +64,10 @@ class ObjectPoses:
         for _ in range(TAKEN):
             try:
                 waiting.append(self._socket.recv(LARGEST + 1))
-            except (BlockingIOError, InterruptedError):
-                break
-            except OSError:
-                self.malformed += 1
+            except OSError:  # nothing more is waiting
                 break
         for data in waiting:
-            found = parse_poses(data) if len(data) <= LARGEST else None
-            if found is None:
-                self.malformed += 1
-                continue
+            found = (parse_poses(data) if len(data) <= LARGEST else None) or {}
             for name in self.names:
                 pose, held = found.get(name, (None, False))
                 if pose is not None and held:

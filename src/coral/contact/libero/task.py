@@ -20,7 +20,7 @@ from coral.contact.libero.simplification import simplified, triple
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Array
 from coral.contact.scene.shapes import Fixture, Movable, Shape, TableTop
-from coral.contact.scene.state_conditions import Grasped, Inside, Lifted
+from coral.contact.scene.state_conditions import Inside
 from coral.contact.scene.task import Success, Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import corners
@@ -28,9 +28,6 @@ from coral.errors import InputError, nearest
 from coral.foreign_file import read_arrays
 
 PREFIX = "libero:"
-PICK = "pick"
-KINDS = SUITES | {PICK: "The scenes of `object`, picking only, as in `pick-box`."}
-"""What stands between `libero:` and the number of a task."""
 TITLE = "LIBERO-OBJECT"
 SHIFT_M = np.array([0.1, 0.0])
 BELOW_REGION_M = 0.01
@@ -58,7 +55,7 @@ COLORS = (
 
 
 def load_libero(text: str) -> Task:
-    """Load the task `libero:SUITE/TASK/STATE`, or `libero:pick/TASK/STATE`, which requires only lifting the object.
+    """Load the task `libero:SUITE/TASK/STATE`.
 
     SUITE is one of `SUITES`, TASK the index of the task in it, STATE that of the initial state, both from 0; STATE is
     optional.
@@ -67,29 +64,16 @@ def load_libero(text: str) -> Task:
         InputError: There is no such task, or the package is not installed or not as expected.
     """
     match = re.fullmatch(rf"{PREFIX}([a-z-]+)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
-    if match is None or match[1] not in KINDS:
-        hint = "" if match is None else nearest(match[1], KINDS)
+    if match is None or match[1] not in SUITES:
+        hint = "" if match is None else nearest(match[1], SUITES)
         form = "libero:KIND/TASK, such as libero:object/0, or with a state libero:object/0/3"
-        raise InputError("task", "", text, f"{form}; KIND is one of {', '.join(KINDS)}{hint}")
-    package = find_package(text, "object" if match[1] == PICK else match[1])
+        raise InputError("task", "", text, f"{form}; KIND is one of {', '.join(SUITES)}{hint}")
+    package = find_package(text, match[1])
     names = package.tasks()
     index, state = int(match[2]), int(match[3] or 0)
     if index >= len(names):
         raise InputError(text, "task", index, f"a number from 0 to {len(names) - 1}")
-    task = libero_task(package, names[index], f"libero-{match[1]}-{index}-{state}", state)
-    return lifting(task) if match[1] == PICK else task
-
-
-def lifting(task: Task) -> Task:
-    """Make the task of lifting in the same scene: hold the object 10 cm up for half a second, as in pick-box."""
-    item = task.objects[0]
-    conditions = (Lifted(object=item.name, height_m=0.1), Grasped(object=item.name))
-    changed = {
-        "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
-        "numbers": {"lift_height": 0.12, "hover_height": HOVER_M},
-        "success": Success(hold_s=0.5, conditions=conditions),
-    }
-    return task.model_copy(update=changed)
+    return libero_task(package, names[index], f"libero-{match[1]}-{index}-{state}", state)
 
 
 def libero_task(package: Package, task: str, name: str, state: int) -> Task:
