@@ -11,10 +11,11 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from coral.drawing import png, png_url
+from coral.reef.products.cover import FINE_M, RANGE_M
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.product_files import ProductFiles
-from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.products.survey_products import DENSITY_CELL_M, SurveyProducts
 from coral.reef.products.truth import TrueOysters, true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.reef.world.world_model import ReefWorld
@@ -56,7 +57,7 @@ class TruthComparison(TrueOysters):
     def of(cls, products: SurveyProducts, world: ReefWorld) -> TruthComparison:
         """Compare with a reef."""
         area, count = products.area, products.shells.oysters
-        true = true_oysters(world, products.seen, products.cfg.cover.fine_m)
+        true = true_oysters(world, products.seen, FINE_M)
         return cls(
             **vars(true),
             error=area.value / true.m2 - 1.0 if true.m2 and products.judgement.judged else None,
@@ -112,11 +113,11 @@ def write_products_page(
         overlay=Markup(_overlay(products)),
         density=_data(ramp(products.density, COVER_STOPS)[::-1], 12),
         nearest=_data(ramp(products.cells.nearest, DISTANCE_STOPS)[::-1], 2),
-        density_cell=f"{products.cfg.density_cell_m:g}",
+        density_cell=f"{DENSITY_CELL_M:g}",
         cover_ramp=Markup(_gradient(COVER_STOPS)),
         distance_ramp=Markup(_gradient(DISTANCE_STOPS)),
-        range=f"{products.cfg.cover.range_m:g}",
-        fine=products.cfg.cover.fine_m,
+        range=f"{RANGE_M:g}",
+        fine=FINE_M,
         datum=datum is not None,
         looks=sorted(looks.items()),
         files=files,

@@ -6,7 +6,7 @@ import pytest
 from coral.reef.map.chain import ChainCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.clusters import label_clusters, measure_clusters
-from coral.reef.products.cover import Cover, CoverCfg
+from coral.reef.products.cover import Cover
 from coral.reef.vehicle.camera import CameraCfg
 
 
@@ -31,7 +31,7 @@ def test_regions_are_numbered_from_the_south_with_what_lies_beside_them(cells):
 def test_a_cluster_is_measured_within_its_outline(cells):
     share = np.zeros((150, 200), np.float32)
     share[25:50, 25:75] = 0.5  # half of 0.5 x 1 m
-    cover = Cover(CoverCfg(), share, share, np.ones_like(share, bool))
+    cover = Cover(share, share, np.ones_like(share, bool))
     cells.nearest[:] = 2.0
     group = label_clusters(cells, ChainCfg(), 0.1)
     first, second = measure_clusters(cells, group, np.full((60, 80), 7, np.uint16), cover, [], ChainCfg())

@@ -8,9 +8,9 @@ import pytest
 
 from coral.reef.products.cover import (
     BINS,
+    FINE_M,
     Cover,
     CoverCalibration,
-    CoverCfg,
     Votes,
     area_within,
     bins_of,
@@ -31,26 +31,29 @@ CALIBRATION = CoverCalibration(tuple(k / BINS for k in range(BINS)), 0.03, 0.1, 
 
 
 def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
-    truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, products.cfg.cover.fine_m).whole_m2
+    truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, FINE_M).whole_m2
     assert products.area.value == pytest.approx(truth, rel=0.1)
     assert products.area.low < truth < products.area.high
     # Whole cells that a shell touches are far more.
     assert products.cells.target.sum() * 0.05**2 > 1.2 * truth
 
 
-def test_the_interval_is_the_unknown_and_the_sampling_error():
-    cfg = CoverCfg(fine_m=0.1, edge=0.0)
+def test_the_interval_is_the_unknown_and_the_sampling_error(monkeypatch):
+    monkeypatch.setattr("coral.reef.products.cover.FINE_M", 0.1)
+    monkeypatch.setattr("coral.reef.products.cover.EDGE", 0.0)
     seen, filled = np.zeros((10, 10), np.float32), np.zeros((10, 10), np.float32)
     seen[:2], filled[:4] = 1.0, 1.0  # 0.2 m² seen, 0.4 m² at most
 
     def cover(low, high):
-        return Cover(cfg, low, high, np.ones((10, 10), bool))
+        return Cover(low, high, np.ones((10, 10), bool))
 
     everything = np.ones((10, 10), bool)
     alone = area_within(cover(seen, filled), [], everything)
     assert alone.value == pytest.approx(0.3)
     assert alone.high - alone.value == pytest.approx(1.96 * 0.2 / math.sqrt(12), rel=1e-5)
-    rough = area_within(replace(cover(seen, filled), cfg=CoverCfg(fine_m=0.1, edge=0.1)), [], everything)
+    with monkeypatch.context() as rougher:
+        rougher.setattr("coral.reef.products.cover.EDGE", 0.1)
+        rough = area_within(cover(seen, filled), [], everything)
     assert rough.value - rough.low == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.03), rel=1e-5)
     # Two replicates of 0.28 and 0.32 m²: delete-a-group variance 1/2 (0.02² + 0.02²).
     less, more = cover(seen * 0.8, filled), cover(seen * 1.2, filled)
@@ -58,17 +61,18 @@ def test_the_interval_is_the_unknown_and_the_sampling_error():
     assert both.value - both.low == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.02), rel=1e-5)
 
 
-def test_each_subset_is_left_out_once(recording):
-    whole, without = measure_cover(recording, CoverCfg(subsets=4))
-    alone, none = measure_cover(recording, CoverCfg(subsets=1))
-    assert (len(without), len(none)) == (4, 0)
+def test_each_subset_is_left_out_once(recording, monkeypatch):
+    whole, without = measure_cover(recording)
+    monkeypatch.setattr("coral.reef.products.cover.SUBSETS", 1)
+    alone, none = measure_cover(recording)
+    assert (len(without), len(none)) == (8, 0)
     np.testing.assert_allclose(whole.seen, alone.seen, atol=1e-3)
     assert all(np.count_nonzero(one.known) <= np.count_nonzero(whole.known) for one in without)
 
 
 def test_map_cells_on_the_fine_cells():
     cells = np.array([[True, False], [False, True]])
-    cover = Cover(CoverCfg(), np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32), np.ones((5, 5), bool))
+    cover = Cover(np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32), np.ones((5, 5), bool))
     fine = fine_of(cells, 0.05, cover)
     assert fine[0, 0]
     assert fine[1, 1]
@@ -110,13 +114,13 @@ def test_a_pixel_votes_as_its_network_believes():
     np.testing.assert_allclose(oyster_probability(frame, soft=False), [[1.0, 0.0, np.nan, np.nan]])
 
 
-def test_a_calibrated_share_is_what_it_has_meant():
-    cfg = CoverCfg(edge=0.0)
+def test_a_calibrated_share_is_what_it_has_meant(monkeypatch):
+    monkeypatch.setattr("coral.reef.products.cover.EDGE", 0.0)
     votes = Votes(*(np.full((10, 10), value, np.float32) for value in (9.0, 1.0, 0.7)))
     table = np.zeros(BINS)
     table[bins_of(np.float32(0.9), np.float32(0.7))] = 0.4
     calibration = CoverCalibration(tuple(table.tolist()), 0.3, 0.0, 1, "")
-    plain, calibrated = make_cover(votes, cfg), make_cover(votes, cfg, calibration)
+    plain, calibrated = make_cover(votes), make_cover(votes, calibration)
     assert plain.seen[5, 5] == pytest.approx(0.9)
     np.testing.assert_allclose(calibrated.seen, 0.4)
     np.testing.assert_allclose(calibrated.filled, 0.4)
@@ -127,8 +131,8 @@ def test_a_calibrated_share_is_what_it_has_meant():
 
 
 def test_what_a_calibrated_network_saw_without_doubt_counts_as_it_is(recording):
-    plain, _ = measure_cover(recording, CoverCfg(subsets=1))
-    called_rgb, _ = measure_cover(replace(recording, seen_by="painted"), CoverCfg(subsets=1))
+    plain, _ = measure_cover(recording)
+    called_rgb, _ = measure_cover(replace(recording, seen_by="painted"))
     assert called_rgb.calibration is None
     np.testing.assert_array_equal(called_rgb.seen, plain.seen)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.products.cover import CoverCfg, SurveyEstimate, measure_cover
+from coral.reef.products.cover import FINE_M, SurveyEstimate, measure_cover
 from coral.reef.products.files import summary
 from coral.reef.products.judgement import Judgement, PossibleCover, judge
 from coral.reef.products.placement import EarthPlacement
@@ -25,8 +25,8 @@ def doubted(recording, share):
 
 
 def possible_of(recording):
-    cover, _ = measure_cover(recording, CoverCfg())
-    return judge(recording, CoverCfg(), cover, np.zeros_like(cover.known))
+    cover, _ = measure_cover(recording)
+    return judge(recording, cover, np.zeros_like(cover.known))
 
 
 def test_a_survey_unlike_all_that_is_known_is_not_judged(recording):
@@ -55,7 +55,7 @@ def test_doubt_widens_the_interval_of_a_network_without_calibration(recording, p
     judged, made = possible_of(doubted(recording, 0.0))
     assert judged.judged
     assert not made.sure.any()  # every pixel has more doubt than a sure one
-    assert made.possible.sum() * made.cell_m2 >= products.area.value * 0.8
+    assert made.possible.sum() * FINE_M**2 >= products.area.value * 0.8
     assert possible_of(recording)[1].sure is None  # exact classes have no doubt
 
 
@@ -90,9 +90,10 @@ def with_doubt(one, value):
     return replace(one, frame=replace(one.frame, doubt=np.full(one.frame.depth.shape, value, np.float32)))
 
 
-def test_an_interval_is_never_made_narrower():
+def test_an_interval_is_never_made_narrower(monkeypatch):
+    monkeypatch.setattr("coral.reef.products.judgement.FINE_M", 1.0)
     area, cells = SurveyEstimate(2.0, 1.0, 3.0), np.zeros((4, 1), np.bool_)
-    known = PossibleCover(1.0, np.ones((4, 1), np.float32), cells, cells, None)
+    known = PossibleCover(np.ones((4, 1), np.float32), cells, cells, None)
     every = ~cells
     assert known.widen(area, every) == area
     assert replace(known, sure=np.full((4, 1), 0.05, np.float32)).widen(area, every) == SurveyEstimate(

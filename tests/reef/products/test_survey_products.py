@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from coral.reef.products.cover import BINS, CoverCalibration
-from coral.reef.products.survey_products import ProductsCfg, mean_in_cells, measure
+from coral.reef.products.survey_products import DENSITY_CELL_M, ProductsCfg, mean_in_cells, measure
 
 
 def test_area_density_and_clusters_agree(products):
     known = np.isfinite(products.density)
-    spread = np.nansum(products.density) * products.cfg.density_cell_m**2
+    spread = np.nansum(products.density) * DENSITY_CELL_M**2
     assert spread == pytest.approx(products.area.value, rel=0.05)
     assert known.any()
     assert not known.all()
@@ -19,11 +19,13 @@ def test_area_density_and_clusters_agree(products):
     assert products.track.shape == (products.keyframes, 2) == (41, 2)
 
 
-def test_the_mean_is_of_what_is_known():
+def test_the_mean_is_of_what_is_known(monkeypatch):
+    for place in ("survey_products", "cover"):
+        monkeypatch.setattr(f"coral.reef.products.{place}.FINE_M", 0.5)
     share = np.array([[1.0, 0.0, 0.5, 0.5]], np.float32)
     known = np.array([[True, True, True, False]])
-    np.testing.assert_allclose(mean_in_cells(share, known, 0.5, 1.0, (1, 2), 0.2), [[0.5, 0.5]])
-    assert np.isnan(mean_in_cells(share, known & False, 0.5, 1.0, (1, 2), 0.2)).all()
+    np.testing.assert_allclose(mean_in_cells(share, known, 1.0, (1, 2)), [[0.5, 0.5]])
+    assert np.isnan(mean_in_cells(share, known & False, 1.0, (1, 2))).all()
 
 
 def test_cells_that_a_calibrated_network_hardly_covers_are_no_oysters(recording, monkeypatch):

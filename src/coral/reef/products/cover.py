@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Fraction, Positive
 from coral.foreign_file import read_json
 from coral.reef.eyes.backends import PAINTED
 from coral.reef.eyes.doubt import DoubtCfg
@@ -25,31 +24,25 @@ DEPTHS_M = (0.8, 1.0, 1.2, 1.4, 1.6, 2.0, 2.5)
 """Edges between bins of the depth of the nearest pixel (m)."""
 ANY_DOUBT = DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)
 BINS = (len(SHARES) + 1) * (len(DEPTHS_M) + 1)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CoverCfg:
-    """How pictures become an area."""
-
-    fine_m: Positive = 0.02
-    """Edge of the fine cells: about a pixel at 2 m. A map cell of 0.05 m counts whole if a shell touches it, which
-    makes an area some 40 % too large; the fine cells hold shares."""
-    range_m: Positive = 3.0
-    """Pictures from farther away do not count: a pixel is then wider than half a shell."""
-    gap_m: Positive = 0.08
-    """Fine cells that no pixel hit lie this near to some that were hit; half a shell's length. What is farther is not
-    seen."""
-    beside_m: Positive = 0.1
-    """Oysters are counted within this distance of the map's oyster cells. The map outvotes masks that are wrong."""
-    edge: Fraction = 0.03
-    """Relative standard deviation of what edges of shells add or take, even where all is seen: three clusters of s1
-    without gaps came out 3 to 6 % too large."""
-    confirmed: Fraction = 0.2
-    """Least calibrated cover of a map cell with oysters, where a network is calibrated; with less it is none. On four
-    of the reefs of the calibration anything from 0.15 to 0.3 gives their seven clusters and an overlap of 0.59 to 0.64
-    with the true cells; without it there were 11 or 12 clusters and an overlap of 0.42 to 0.46."""
-    subsets: Count = 8
-    """Interleaved subsets of the pictures, for the error of sampling: each is left out once (jackknife)."""
+FINE_M = 0.02
+"""Edge of the fine cells: about a pixel at 2 m. A map cell of 0.05 m counts whole if a shell touches it, which makes an
+area some 40 % too large; the fine cells hold shares."""
+RANGE_M = 3.0
+"""Pictures from farther away do not count: a pixel is then wider than half a shell."""
+GAP_M = 0.08
+"""Fine cells that no pixel hit lie this near to some that were hit; half a shell's length. What is farther is not
+seen."""
+BESIDE_M = 0.1
+"""Oysters are counted within this distance of the map's oyster cells. The map outvotes masks that are wrong."""
+EDGE = 0.03
+"""Relative standard deviation of what edges of shells add or take, even where all is seen: three clusters of s1 without
+gaps came out 3 to 6 % too large."""
+CONFIRMED = 0.2
+"""Least calibrated cover of a map cell with oysters, where a network is calibrated; with less it is none. On four of
+the reefs of the calibration anything from 0.15 to 0.3 gives their seven clusters and an overlap of 0.59 to 0.64 with
+the true cells; without it there were 11 or 12 clusters and an overlap of 0.42 to 0.46."""
+SUBSETS = 8
+"""Interleaved subsets of the pictures, for the error of sampling: each is left out once (jackknife)."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +72,6 @@ class SurveyEstimate:
 class Cover:
     """The share of oysters in every fine cell, twice: as seen, and with the gaps filled."""
 
-    cfg: CoverCfg
     seen: NDArray[np.float32]
     """Share where a pixel hit, 0 elsewhere. Shape=(FY, FX)."""
     filled: NDArray[np.float32]
@@ -107,7 +99,7 @@ class Votes:
         return cls(np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32))
 
 
-def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cover]]:
+def measure_cover(recording: Recording) -> tuple[Cover, list[Cover]]:
     """Measure the cover from all pictures of a located recording, and from all but each subset.
 
     A fine cell's share is that of the votes for oyster among the votes of its pixels. Where a network saw
@@ -119,14 +111,14 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     first = next((one.frame for one in recording.keyframes()), None) if calibration is not None else None
     if first is None or first.doubt is None:
         calibration = None  # frames of an old run: the network's probabilities were not kept
-    parts = collect_votes(recording, cfg, soft=calibration is not None)
+    parts = collect_votes(recording, soft=calibration is not None)
     whole = sum_votes(parts)
     without = [Votes(whole.oyster - one.oyster, whole.floor - one.floor, whole.nearest_m) for one in parts]
-    covers = [make_cover(votes, cfg, calibration) for votes in (whole, *(without if len(parts) > 1 else ()))]
+    covers = [make_cover(votes, calibration) for votes in (whole, *(without if len(parts) > 1 else ()))]
     return covers[0], covers[1:]
 
 
-def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Votes]:
+def collect_votes(recording: Recording, *, soft: bool) -> list[Votes]:
     """Let the pixels of each subset of the pictures of a located recording vote.
 
     `soft`: by a network's probabilities, however doubtful; if not, by their class, without those that are too doubtful
@@ -134,11 +126,11 @@ def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Vo
     """
     if soft:
         recording = with_doubt(recording, ANY_DOUBT)
-    shape = grid_shape(recording, cfg.fine_m)
-    parts = [Votes.none(shape) for _ in range(cfg.subsets)]
+    shape = grid_shape(recording, FINE_M)
+    parts = [Votes.none(shape) for _ in range(SUBSETS)]
     for number, keyframe in enumerate(recording.keyframes()):
         votes = parts[number % len(parts)]
-        points = find_points(keyframe, recording, cfg.fine_m, shape, cfg.range_m)
+        points = find_points(keyframe, recording, FINE_M, shape, RANGE_M)
         likely = oyster_probability(points.frame, soft=soft)
         vote(points.cell, points.frame.depth, likely, votes)
     return parts
@@ -190,11 +182,11 @@ def area_within(cover: Cover, without: list[Cover], region: NDArray[np.bool_]) -
 
     The area is the middle of what was seen and what may be: gaps hide oysters and floor alike, in an unknown share that
     is taken as equally likely between none and all (standard deviation: range / sqrt(12)). The error of sampling is
-    that of the delete-a-group jackknife. Edges of shells add a share of the area (`CoverCfg.edge`), a calibrated
+    that of the delete-a-group jackknife. Edges of shells add a share of the area (`EDGE`), a calibrated
     network the error that it had on other reefs. All together, times 1.96, are the interval. Without a calibration it
     knows nothing of wrong masks.
     """
-    unit = cover.cfg.fine_m**2
+    unit = FINE_M**2
     low, high = (float(part[region].sum(dtype=np.float64)) * unit for part in (cover.seen, cover.filled))
     middle, unknown = 0.5 * (low + high), (high - low) / math.sqrt(12.0)
     replicates = np.array(
@@ -204,38 +196,36 @@ def area_within(cover: Cover, without: list[Cover], region: NDArray[np.bool_]) -
     count = len(replicates)
     sampling = 0.0 if count < 2 else (count - 1) / count * float(((replicates - replicates.mean()) ** 2).sum())
     network = 0.0 if cover.calibration is None else cover.calibration.std_m2(middle)
-    error = math.sqrt(unknown**2 + sampling + (cover.cfg.edge * middle) ** 2 + network**2)
+    error = math.sqrt(unknown**2 + sampling + (EDGE * middle) ** 2 + network**2)
     return SurveyEstimate.around(middle, error)
 
 
 def fine_of(cells: NDArray[np.bool_], cell_m: float, cover: Cover) -> NDArray[np.bool_]:
     """Return a mask of map cells, Shape=(NY, NX), on the fine cells, Shape=(FY, FX)."""
-    return cells[np.ix_(*larger_cells(cover.seen.shape, cover.cfg.fine_m, cells.shape, cell_m))]
+    return cells[np.ix_(*larger_cells(cover.seen.shape, cells.shape, cell_m))]
 
 
-def larger_cells(
-    shape: tuple[int, ...], fine_m: float, larger: tuple[int, ...], cell_m: float
-) -> tuple[NDArray[np.intp], ...]:
+def larger_cells(shape: tuple[int, ...], larger: tuple[int, ...], cell_m: float) -> tuple[NDArray[np.intp], ...]:
     """Return the row of the larger cells in which each row of fine cells lies, and the same of the columns.
 
     Shape=(FY,), (FX,).
     """
     return tuple(
-        np.minimum(((np.arange(fine) + 0.5) * fine_m / cell_m).astype(np.intp), cells - 1)
+        np.minimum(((np.arange(fine) + 0.5) * FINE_M / cell_m).astype(np.intp), cells - 1)
         for fine, cells in zip(shape, larger, strict=True)
     )
 
 
-def make_cover(votes: Votes, cfg: CoverCfg, calibration: CoverCalibration | None = None) -> Cover:
+def make_cover(votes: Votes, calibration: CoverCalibration | None = None) -> Cover:
     """Return the cover that votes mean."""
-    share, hit, nearest, known = locate_gaps(votes, cfg)
+    share, hit, nearest, known = locate_gaps(votes)
     if calibration is not None:
         share = np.where(hit, calibration.apply(share, votes.nearest_m), np.float32(0.0))
-    return Cover(cfg, share, np.where(known, share.ravel()[nearest], np.float32(0.0)), known, calibration)
+    return Cover(share, np.where(known, share.ravel()[nearest], np.float32(0.0)), known, calibration)
 
 
 def locate_gaps(
-    votes: Votes, cfg: CoverCfg
+    votes: Votes,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.intp], NDArray[np.bool_]]:
     """Return the share of oysters in the votes, where there are some, the nearest such cell, and what is near enough.
 
@@ -247,7 +237,7 @@ def locate_gaps(
     if not hit.any():
         return share, hit, np.zeros(hit.shape, np.intp), hit
     away, nearest = nearest_in(hit)
-    return share, hit, nearest, np.asarray(away * cfg.fine_m <= cfg.gap_m)
+    return share, hit, nearest, np.asarray(away * FINE_M <= GAP_M)
 
 
 def nearest_in(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.intp]]:

@@ -23,7 +23,7 @@ from coral.reef.products.map_files import (
 )
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.product_files import ProductFiles
-from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.products.survey_products import DENSITY_CELL_M, SurveyProducts
 
 NOTHING = -9999.0
 CLUSTER_COLUMNS, SHELL_COLUMNS, DENSITY_COLUMNS = (
@@ -158,7 +158,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
             ("share of the cell that oysters cover",),
         ),
         (
-            ProductFiles.DENSITY, products.density[:, :, None], products.cfg.density_cell_m,
+            ProductFiles.DENSITY, products.density[:, :, None], DENSITY_CELL_M,
             ("oysters per sea floor seen (m2/m2)",),
         ),
         (
@@ -177,7 +177,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
 
 
 def _density(products: SurveyProducts) -> list[Feature]:
-    edge = products.cfg.density_cell_m
+    edge = DENSITY_CELL_M
     features = []
     for iy, ix in zip(*np.nonzero(np.nan_to_num(products.density) > 0.0), strict=True):
         x, y = ix * edge, iy * edge

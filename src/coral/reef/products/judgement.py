@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from coral.reef.eyes.perception import is_judged
 from coral.reef.products.cover import (
     ANY_DOUBT,
+    FINE_M,
+    RANGE_M,
     Cover,
-    CoverCfg,
     SurveyEstimate,
     Votes,
     collect_votes,
@@ -39,8 +40,6 @@ none can then be what keeps it from counting."""
 class PossibleCover:
     """What may be in every fine cell. Shape=(FY, FX) each."""
 
-    cell_m2: float
-    """Area of a fine cell (m²)."""
     possible: NDArray[np.float32]
     """Share of oysters, however doubtful."""
     left_out: NDArray[np.bool_]
@@ -60,7 +59,7 @@ class PossibleCover:
         return SurveyEstimate(area.value, low, high + self._sum(self.unjudged, region))
 
     def _sum(self, share: NDArray[np.float32] | NDArray[np.bool_], region: NDArray[np.bool_]) -> float:
-        return float(share[region].sum(dtype=np.float64)) * self.cell_m2
+        return float(share[region].sum(dtype=np.float64)) * FINE_M**2
 
 
 @dataclass(frozen=True)
@@ -83,25 +82,23 @@ class Judgement:
         return f"Not judged: {self.unlike} of {self.pictures} pictures are unlike all that the network was trained on"
 
 
-def judge(
-    recording: Recording, cfg: CoverCfg, whole: Cover, counted: NDArray[np.bool_]
-) -> tuple[Judgement, PossibleCover]:
+def judge(recording: Recording, whole: Cover, counted: NDArray[np.bool_]) -> tuple[Judgement, PossibleCover]:
     """Judge the pictures of a located recording, and find what they leave possible.
 
     `whole` is its cover by `measure_cover`, of which the fine cells `counted`, Shape=(FY, FX), make the area.
     """
     wide = with_doubt(recording, ANY_DOUBT)
-    shape, cell_m = grid_shape(recording, cfg.fine_m), recording.map.cell_m
+    shape, cell_m = grid_shape(recording, FINE_M), recording.map.cell_m
     known, unknown = np.zeros(shape, np.bool_), np.zeros(shape, np.bool_)
     votes = Votes.none(shape)
     looks = np.zeros(grid_shape(recording, cell_m), np.uint16)
-    iy, ix = larger_cells(shape, cfg.fine_m, looks.shape, cell_m)
+    iy, ix = larger_cells(shape, looks.shape, cell_m)
     pictures = unlike = 0
     network = recording.seen_by not in (RECORDED, EXACT)
     for keyframe in recording.keyframes():
         judged = not network or is_judged(keyframe.frame)
         pictures, unlike = pictures + 1, unlike + (not judged)
-        points = find_points(keyframe, wide, cfg.fine_m, shape, cfg.range_m)
+        points = find_points(keyframe, wide, FINE_M, shape, RANGE_M)
         likely = oyster_probability(points.frame, soft=False)
         at = np.unravel_index(np.unique(points.cell[~np.isnan(likely) & (points.cell >= 0)]), shape)
         (known if judged else unknown)[at] = True
@@ -111,14 +108,13 @@ def judge(
             seen[iy[at[0]], ix[at[1]]] = True
             looks += seen
     return Judgement(pictures, unlike), PossibleCover(
-        cell_m2=cfg.fine_m**2,
-        possible=make_cover(votes, cfg).filled,
+        possible=make_cover(votes).filled,
         left_out=~counted & fine_of(looks < FEW * recording.map.target_hits, cell_m, whole),
         unjudged=unknown & ~known,
-        sure=_sure(recording, cfg) if network and whole.calibration is None else None,
+        sure=_sure(recording) if network and whole.calibration is None else None,
     )
 
 
-def _sure(recording: Recording, cfg: CoverCfg) -> NDArray[np.float32]:
+def _sure(recording: Recording) -> NDArray[np.float32]:
     surer = with_doubt(recording, replace(recording.map.doubt, oyster=SURE))
-    return make_cover(sum_votes(collect_votes(surer, cfg, soft=False)), cfg).filled
+    return make_cover(sum_votes(collect_votes(surer, soft=False))).filled
