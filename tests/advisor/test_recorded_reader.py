@@ -23,7 +23,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import PosesAnswer
 from coral.contact.thinker.questions import UnifiedAnswer
-from coral.contact.world_model.parameter_correction import ParametersAnswer
+from coral.contact.world_model.corrected_parameters import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 from coral.contact.worlds.registry import make_world
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice

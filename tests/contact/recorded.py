@@ -10,7 +10,7 @@ from coral.advisor.rules import RuleAdvisor
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.thinker.questions import UnifiedAnswer
-from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
+from coral.contact.world_model.corrected_parameters import ObjectParameters, ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 
 

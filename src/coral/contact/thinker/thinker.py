@@ -24,7 +24,6 @@ from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import CorrectionSchedule, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.pose_question import ask_poses
@@ -35,6 +34,7 @@ from coral.contact.thinker.repair_prompt import recent, repair_values
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking
+from coral.contact.thinker.world_model_correction import CorrectionSchedule, correct_beliefs
 from coral.contact.world_model.history_replay import most_informative_object
 from coral.errors import RunError
 

@@ -1,4 +1,4 @@
-"""World-model correction (section 3.4, A.5): fit mass and friction so that a replay explains the logged history.
+"""Identification (section 3.4, A.5): fit mass and friction so that a replay explains the logged history.
 
 A history determines only some combinations. A slow push reveals the product friction x mass x g; a change of speed
 (mass), free sliding (friction) or the weight of a lifted object (mass) separates the two. The fit therefore reports the

@@ -16,10 +16,10 @@ from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.world_model.corrected_parameters import ParametersAnswer, verify_parameters
 from coral.contact.world_model.force_balance import LEAST, balances
 from coral.contact.world_model.history_replay import HistoryReplay, compare_motions, most_informative_object, windows
 from coral.contact.world_model.identification import BETTER, fit_by_balance, fit_by_replay, replay_errors
-from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 
 REPLAY_DT_S = 0.004
 """Longest physics step in replays, finer than in rollouts."""

@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer, verify_parameters
+from coral.contact.world_model.corrected_parameters import ObjectParameters, ParametersAnswer, verify_parameters
 
 BELIEVED = {"box": PhysicalParameters(1.0, 0.5), "cup": PhysicalParameters(0.2, 0.4)}
 

@@ -12,12 +12,12 @@ from recorded import RULES
 from coral.advisor.question import Reply
 from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.thinker import correction
+from coral.contact.thinker import world_model_correction
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import CorrectionSchedule, correct_beliefs
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.world_model_correction import CorrectionSchedule, correct_beliefs
+from coral.contact.world_model.corrected_parameters import ObjectParameters, ParametersAnswer
 from coral.contact.world_model.identification import Fit
-from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
 
 FITTED = PhysicalParameters(0.4, 0.3)
 MOVED = history(100, period_s=0.1, box=sliding(1.0))
@@ -67,8 +67,8 @@ def correct(scene, monkeypatch):
             return tuple(abs(held[name].mass_kg - FITTED.mass_kg) for held in (beliefs, proposed))
 
         fit = Fit("box", believed, FITTED if better else believed, 1.0, 0.1, better, 0.1, 0.1, 0.1, 3)
-        monkeypatch.setattr(correction, "fit_by_replay", lambda *_: fit)
-        monkeypatch.setattr(correction, "replay_errors", errors)
+        monkeypatch.setattr(world_model_correction, "fit_by_replay", lambda *_: fit)
+        monkeypatch.setattr(world_model_correction, "replay_errors", errors)
         done = correct_beliefs(
             Asker(advisor),
             "box",
