@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from beds import belief_with
@@ -15,8 +17,11 @@ def _turning_takes_no_time(monkeypatch):
     monkeypatch.setattr(topology, "YAW_RATE_RAD_S", 1e6)
 
 
-def tour_of(points, area=1.0):
+def tour_of(points, area=1.0, wall_m=None):
+    """A tour from (10, 5) m; a wall at `wall_m` cuts off all that lies east of it."""
     belief = belief_with(points, pose=Pose(10.0, 5.0, 0.0), size=(40.0, 10.0))
+    if wall_m is not None:
+        belief.map.obstacle[:, round(wall_m / 0.05) : round(wall_m / 0.05) + 6] = True
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
     dots = [Place(x=t.x, y=t.y, index=t.index, worth=0.5 + area) for t in belief.tracks]
@@ -38,6 +43,10 @@ def test_a_point_on_the_way_costs_nothing_and_one_behind_its_detour():
     on_the_way, behind = tour.price_s(12.0, 5.0), tour.price_s(6.0, 5.0)
     assert on_the_way == pytest.approx(0.0, abs=0.3)
     assert behind == pytest.approx(2 * 4.0 / 0.5, abs=0.7)
+
+
+def test_a_point_without_a_way_has_no_price():
+    assert math.isinf(tour_of([(14.0, 5.0)], wall_m=20.0).price_s(30.0, 5.0))
 
 
 def test_with_nothing_left_there_is_no_tour():

@@ -139,9 +139,11 @@ class RemainingTour:
         known = next((place.later_s for place in self.places if index is not None and place.index == index), None)
         if known is not None:
             return known
-        first = self.start.field.lookup(x, y) / SPEED_M_S + abs(bearing(self.pose, x, y)) / YAW_RATE_RAD_S
+        at = np.array([x]), np.array([y])
+        first = float(self.start.field.lengths(*at)[0]) / SPEED_M_S
+        first += abs(bearing(self.pose, x, y)) / YAW_RATE_RAD_S
         onward = min(
-            field.lookup(x, y) / SPEED_M_S + float(delay)
+            float(field.lengths(*at)[0]) / SPEED_M_S + float(delay)
             for field, delay in zip(self.fields, self.onward_s, strict=True)
         )
         return max(first + onward - self.best_s, 0.0)
