@@ -111,7 +111,6 @@ TOPICS = {
     "image": ("/rov/camera/image_raw", "sensor_msgs/msg/Image"),
     "camera-info": ("/rov/camera/camera_info", "sensor_msgs/msg/CameraInfo"),
     "odometry": ("/rov/odom", "nav_msgs/msg/Odometry"),
-    "sonar": ("/rov/ranges", "sensor_msgs/msg/PointCloud2"),
 }
 
 
