@@ -1,4 +1,4 @@
 """A Franka arm as a robot's world: its stream, limits, preflight, and a simulated double that speaks its protocol.
 
-A wing. It needs `coral.contact.real_scenes` where a camera tracks the objects, and `coral.ros` for an arm over ROS 2.
+A wing. It needs `coral.contact.real_scenes` where a camera tracks the objects.
 """
