@@ -49,6 +49,18 @@ def test_a_lawnmower_drives_around_what_stands_on_its_lanes(pond, tmp_path):
     assert found["coverage"] == 1.0
 
 
+def test_a_lawnmower_that_is_called_home_leaves_its_lanes(pond, tmp_path):
+    mission = Mission(pond, apply_variant("lawnmower", QUIET), RuleAdvisor(REEF_RULES), tmp_path / "run")
+    for _ in range(100):
+        mission.advance()
+    mission.pilot.go_home(2.0, 2.0)
+    for _ in range(600):
+        mission.advance()
+    assert mission.belief.goal == (2.0, 2.0)
+    assert math.dist(mission.belief.pose[:2], (2.0, 2.0)) < 1.0
+    assert mission.pilot.end_reason == ""
+
+
 def test_a_unicycle_drives_arcs_of_circles():
     assert advance(0.0, 0.0, 0.0, 0.6, 0.0, 0.5) == (0.3, 0.0, 0.0)
     x, y, theta = advance(0.0, 0.0, 0.0, 0.6, 0.6, math.pi / 1.2)

@@ -54,6 +54,8 @@ class LanesPilot(Pilot):
 
     def _watch(self, t: float, speed: float) -> None:
         """Go on to the next point of the lanes when the present one is passed or given up."""
+        if self.homing:
+            return
         pose, goal = self.belief.pose, self.belief.goal
         assert self.field is not None
         assert goal is not None
