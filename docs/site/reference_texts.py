@@ -61,6 +61,7 @@ SURVEY_ENDS = {
     "coverage complete": "with `--cfg.stop-when-covered`: every true cluster has been covered, which only the "
     "experimenter knows",
     "the tour is done": "a blind sweep or the oracle reached the end of its path",
+    "all lanes are done": "of the variant `lawnmower`",
     "time limit": "`--cfg.time-limit-s`, 600 by default",
     "advisor failed": "the advisor did not decide, with `--fallback fail`",
     "surfaced": "a sensor was silent for too long, or a limit sent the vehicle up; the simulated vehicle of `coral "

@@ -53,6 +53,7 @@ def test_what_was_covered_and_what_was_missed_is_told(run):
         ((2.0, 10.5), "time limit", "unreached"),
         ((4.0, 4.5), "time limit", "missed"),  # beside the path
         ((2.0, 10.5), "nothing left to explore", "missed"),
+        ((2.0, 10.5), "all lanes are done", "missed"),
         ((2.0, 10.5), None, "unreached"),  # killed
     ],
 )

@@ -27,7 +27,10 @@ PAD = (38.0, 12.0, 12.0, 30.0)
 """Margins for the axes: left, top, right, bottom (px)."""
 
 
-FINISHED = ("nothing left to explore", "the advisor ended the survey", "coverage complete", "the tour is done")
+FINISHED = (
+    *("nothing left to explore", "the advisor ended the survey", "coverage complete", "the tour is done"),
+    "all lanes are done",
+)
 """Ends of a survey that was not cut short: what it has not covered then, it has missed."""
 PASSED_M = 2.0
 """A cluster that the path came this near to and that is not covered was missed, however the survey ended."""
