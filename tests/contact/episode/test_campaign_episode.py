@@ -12,7 +12,7 @@ from stub_foundationpose import Oracle, serving
 from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.resolution import resolve_episode
-from coral.contact.memory.memory import Memory
+from coral.contact.memory.memory import Experience, Memory
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.observation import BodyState
@@ -85,6 +85,16 @@ def test_a_success_is_remembered_beside_what_the_trial_began_with(practice, tmp_
     assert (result["success"], result["memory_known"]) == (True, 1)
     kept = Memory(tmp_path / "run" / "remembered.sqlite").all()
     assert [one.experience.provenance["run"] for one in kept] == ["run"]
+
+
+def test_a_success_is_remembered_beside_an_experience_that_cannot_be_read_again(practice, tmp_path, monkeypatch):
+    succeeding(monkeypatch, after=5)
+    text = practice[0].model_dump_json().replace('"stiffness":600.0', '"stiffness":NaN', 1)
+    odd = Experience.model_validate_json(text)  # as a foreign file may hold it
+    assert odd != practice[0]
+    result = run_episode(short_task(2.0), COARSE, tmp_path / "run", memory=[odd, *practice], **FULL)
+    assert (result["success"], result["memory_known"]) == (True, 1)
+    assert len(Memory(tmp_path / "run" / "remembered.sqlite").all()) == 1
 
 
 def test_a_failure_leaves_nothing_to_remember(practice, tmp_path, monkeypatch):

@@ -45,21 +45,21 @@ def run_episode(
     cfg = of_variant(cfg, variant)
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with tempfile.TemporaryDirectory() as aside:
-        own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
+        own, known = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None, None
         if own is not None:
             for one in memory:
                 own.add(one)
+            known = len(own.all())  # fewer, where one of a foreign file cannot be read again
         asking = AdvisorSetup(
             advisor=advisor, world=world, memory=None if own is None else own.where, model=model or contact_model()
         )
         episode = assemble_episode(sample_trial(task, seed), world, cfg, folder, variant=variant, asking=asking)
         result = episode.run()
         if own is not None:
-            for stored in own.all()[len(memory) :]:
+            for stored in own.all()[known:]:
                 Memory(folder / TaskFiles.REMEMBERED).add(stored.experience)
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
     if result["end_reason"] == "tracker-failed":
         raise RunError(f"tracker-failed: {episode.detail}")
-    known_at_first = None if own is None else len(memory)
-    return {**result, "evaluation_world": world, "fallback": cfg.think.fallback, "memory_known": known_at_first}
+    return {**result, "evaluation_world": world, "fallback": cfg.think.fallback, "memory_known": known}
