@@ -12,6 +12,7 @@ from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.tour import LanesPilot, along, drive_lines, lanes
 from coral.reef.mission.variants import apply_variant
+from coral.reef.mission.word_judge import with_instruction
 from coral.reef.simulation.imaging import ImagingCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.tour_kernels import advance, follow
@@ -59,6 +60,16 @@ def test_a_lawnmower_that_is_called_home_leaves_its_lanes(pond, tmp_path):
     assert mission.belief.goal == (2.0, 2.0)
     assert math.dist(mission.belief.pose[:2], (2.0, 2.0)) < 1.0
     assert mission.pilot.end_reason == ""
+
+
+def test_a_lawnmower_ends_a_mission_in_words_at_the_start(pond, tmp_path):
+    quiet = dataclasses.replace(QUIET, lane_m=5.0)
+    start, ends = (pond.start.x, pond.start.y), []
+    for k, cfg in enumerate((quiet, with_instruction(quiet, "Look for a tyre and come back.", None))):
+        pilot = Mission(pond, apply_variant("lawnmower", cfg), RuleAdvisor(REEF_RULES), tmp_path / str(k)).pilot
+        ends.append(math.dist(pilot.points[-1], start))
+    assert ends[0] > 5.0
+    assert ends[1] == 0.0
 
 
 def test_a_unicycle_drives_arcs_of_circles():

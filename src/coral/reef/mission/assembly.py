@@ -117,6 +117,8 @@ def make_robot(
         pilot.commands = deciding.commands
     if isinstance(pilot, LanesPilot):
         pilot.points = along(lanes(belief.map.size_m, cfg.lane_m, start))
+        if cfg.planner.instruction.text:
+            pilot.points.append(start[:2])  # missions in words may end there
     return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), eyes=eyes)
 
 
