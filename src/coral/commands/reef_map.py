@@ -73,6 +73,7 @@ class ReefMap:
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "0 seconds or more")
         of_run = is_run(self.recording)
+        out = self._folder(of_run)
         truth = true_reef(self.recording) if of_run else None
         eyes = self._eyes(painted=truth is not None)
         named = self.perception if self.depth is None else f"{self.perception}, {self.depth}"
@@ -88,7 +89,7 @@ class ReefMap:
             recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         if recording.datum is not None and self.datum is not None and (self.recording / TABLE).is_file():
             raise InputError("--datum", "", self.datum, f"none: {self.recording / TABLE} has lat and lon")
-        made = make_products(recording, self.cfg, self.datum, self._folder(of_run), truth, check_lens(recording))
+        made = make_products(recording, self.cfg, self.datum, out, truth, check_lens(recording))
         about = [*recording.remarks, *(() if eyes is None else eyes.about)]
         return {**made, "pictures_left_out": len(recording.omitted), "eyes": about}
 
