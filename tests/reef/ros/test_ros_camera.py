@@ -127,6 +127,7 @@ def test_a_camera_file_counts_and_another_lens_is_told_beside_it():
     node.heard[RAW](picture())
     assert found.read() is not None
     assert found.name == f"ros2:{RAW}, 8x4, camera_info says 90° across, the camera file 120°, which counts"
+    assert "/tf" not in node.heard  # a busy topic, which has nothing to tell where the file does
 
 
 def test_a_lens_that_cannot_be_used_is_told_at_once_or_under_way():

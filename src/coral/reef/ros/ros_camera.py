@@ -58,7 +58,7 @@ class RosCamera:
         self._topic, self._latency_s, self._from_file = topic, latency_s, known is not None
         self._size = self._about = self._lens_fault = ""
         self._ros = ros = node or RosNode("coral_camera", place, "--camera")
-        self._newest, self._infos, self._tree = Newest(ros), Newest(ros), HeardTree(ros, "--camera")
+        self._newest, self._infos = Newest(ros), Newest(ros)
         kind, sensor = "CompressedImage" if topic.endswith("/compressed") else "Image", ros.qos("sensor")
         ros.node.create_subscription(ros_type(f"sensor_msgs.msg.{kind}", "--camera"), topic, self._newest.hear, sensor)
         info = ros_type("sensor_msgs.msg.CameraInfo", "--camera")
@@ -119,8 +119,8 @@ class RosCamera:
 
     def _mounted(self, mount: CameraCfg, frame: str) -> CameraCfg:
         """Return a mount with the tilt that the tree of frames tells; as it is where that does not know the camera."""
-        begun = time.monotonic()
-        while (found := self._tree.in_vehicle(frame)) is None:
+        begun, tree = time.monotonic(), HeardTree(self._ros, "--camera")
+        while (found := tree.in_vehicle(frame)) is None:
             spent_s = time.monotonic() - begun
             if spent_s > ALONE_S or (spent_s > 0.3 * ALONE_S and not self._ros.node.count_publishers("/tf_static")):
                 return mount
