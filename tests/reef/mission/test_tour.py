@@ -72,6 +72,14 @@ def test_a_lawnmower_ends_a_mission_in_words_at_the_start(pond, tmp_path):
     assert ends[1] == 0.0
 
 
+def test_lanes_in_a_mission_in_words_end_with_the_word_that_it_is_done(pond, tmp_path):
+    cfg = with_instruction(apply_variant("lawnmower", dataclasses.replace(QUIET, lane_m=5.0)), "Look, and come back.")
+    mission = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
+    found = mission.run()
+    assert (found["end_reason"], found["advisor_calls"], mission.answer) == ("all lanes are done", 0, "")
+    assert math.dist(mission.belief.pose[:2], (pond.start.x, pond.start.y)) < 2.0
+
+
 def test_a_unicycle_drives_arcs_of_circles():
     assert advance(0.0, 0.0, 0.0, 0.6, 0.0, 0.5) == (0.3, 0.0, 0.0)
     x, y, theta = advance(0.0, 0.0, 0.0, 0.6, 0.6, math.pi / 1.2)

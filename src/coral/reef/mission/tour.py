@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.pilot.pilot import Command, Pilot
 from coral.reef.vehicle.sensing import Velocity
 from coral.reef.vehicle.tour_kernels import follow
@@ -20,6 +21,7 @@ PASSED_M = 1.0
 """A point of a lane is passed within this distance: the vehicle need not slow down for it."""
 STRIDE_M = 4.0
 """Largest distance between points of a lane that goes around obstacles."""
+LANES_DONE = "all lanes are done"
 PATIENCE_S = 5.0
 """Time for turning towards a point of a lane."""
 
@@ -45,7 +47,8 @@ class LanesPilot(Pilot):
     """Follows lanes planned before the dive around what is on the map, with the controller of the whole system.
 
     The classical survey (boustrophedon): nothing is asked. A point of a lane counts as passed within `PASSED_M`, and is
-    given up where the map shows no way to it, or after twice the time that the way takes at cruise speed.
+    given up where the map shows no way to it, or after twice the time that the way takes at cruise speed. A mission in
+    words is then said to be done, without an answer.
     """
 
     points: list[tuple[float, float]]
@@ -54,7 +57,7 @@ class LanesPilot(Pilot):
 
     def _watch(self, t: float, speed: float) -> None:
         """Go on to the next point of the lanes when the present one is passed or given up."""
-        if self.homing:
+        if self.homing or self.end_reason:
             return
         pose, goal = self.belief.pose, self.belief.goal
         assert self.field is not None
@@ -62,7 +65,9 @@ class LanesPilot(Pilot):
         if t < self._until and math.dist(pose[:2], goal) > PASSED_M and self.field.reaches(pose.x, pose.y):
             return
         if not self.points:
-            self.end_reason = "all lanes are done"
+            self.end_reason = LANES_DONE
+            if isinstance(self.planner, MissionPlanner):
+                self._emit("held", source="lanes", decision=None, reason=LANES_DONE, answer="")
             return
         x, y = self.points.pop(0)
         self.goals.go_to(x, y, t, source="lanes", reason="the next point of the lanes")

@@ -99,7 +99,7 @@ VARIANTS: dict[str, Variant] = {
     ),
     "lawnmower": Variant(
         what="Parallel lanes over the whole area (`--cfg.lane-m`), planned before the dive, and driven by the same "
-        "controller around what is on the map.",
+        "controller around what is on the map; in a mission in words also over dots, and back to the start.",
         changes={"decider": "lawnmower", "planner.route.ahead": False, "planner.instruction.clear_m": 0.0},
     ),
     "no-verification": Variant(
