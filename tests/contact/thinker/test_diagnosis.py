@@ -272,3 +272,16 @@ def test_a_hand_that_brushed_the_object_on_its_way_has_not_reached_it():
 
 def test_no_diagnosis_claims_an_obstacle_that_was_not_felt():
     assert "in its way" not in TEXTS["not-reached"]
+
+
+@pytest.mark.parametrize(
+    ("height_m", "box", "kind"),
+    [
+        (0.09, BOX, "passes-over"),
+        (0.03, BOX, "no-progress"),
+        (0.09, sliding(1.0), "no-progress"),
+    ],
+)
+def test_a_hand_that_passes_over_the_object_is_too_high(height_m, box, kind):
+    over = history(100, box=box, tool=lambda k: (0.05 + 0.002 * k, 0.0, height_m), force=(0.8, 0.0, 0.0))
+    assert judged(over, plans(over, "box")) == kind

@@ -101,3 +101,15 @@ def test_the_largest_term_of_the_last_plan_is_named():
     found = evidence(history(10, box=BOX), [note(0.1, terms={"a": 9.0}), note(0.2, terms={"a": 1.0, "b": -3.0})])
     assert (found.largest_term, found.largest_share) == ("b", 0.75)
     assert "'b' makes up 75 % of the cost" in found.sentences()[-1]
+
+
+def test_a_hand_that_passes_over_the_object_is_told_with_its_height():
+    over = history(200, box=BOX, tool=lambda k: (-0.1 + 0.001 * k, 0.0, 0.08))
+    found = evidence(over)
+    assert (found.above_m, found.over) == pytest.approx((0.02, 0.3), abs=0.01)
+    assert (found.passed_m, found.crossed) == pytest.approx((0.06, 1.0), abs=0.02)
+    assert any("2.0 cm or more above its top" in sentence for sentence in found.sentences())
+    beside = evidence(history(200, box=BOX, tool=lambda k: (-0.1 + 0.001 * k, 0.0, 0.03)))
+    assert (beside.over, beside.crossed) == (0.0, 0.0)
+    coming = evidence(history(100, box=BOX, tool=coming_down))
+    assert (coming.over, coming.crossed) == (1.0, 0.0)

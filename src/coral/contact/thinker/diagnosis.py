@@ -12,13 +12,15 @@ import numpy as np
 
 from coral.contact.plan.stage_end import TRUTH
 from coral.contact.scene.observation import Transition
-from coral.contact.thinker.evidence import MOSTLY, Evidence
+from coral.contact.thinker.evidence import CROSSED, MOSTLY, Evidence
 
 Diagnosis = str
 """One of `TEXTS`."""
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
     "not-reached": "the hand does not touch the object: its cost does not lead it there, or the way in is wrong",
+    "passes-over": "the hand passes over the object, which hardly moves: it is too high, such as where a height is a "
+    "number and this object is lower than others",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
@@ -53,6 +55,8 @@ BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
+OUTRUN = 0.5
+"""An object that moved less than this share of the hand's way over it was passed, not pushed."""
 LOST_M = 0.05
 """A hand that ended so much farther from the object than it was went away from it."""
 AT_OBJECT_M = 0.02
@@ -113,6 +117,8 @@ def diagnose(
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
         return "moved-otherwise"
+    if evidence.crossed >= CROSSED and moved < OUTRUN * evidence.passed_m:
+        return "passes-over"
     touched = felt.max() >= FELT_NOTHING_N and not _only_brushed(steps, evidence)
     if not touched and not evidence.touched and evidence.last_m > evidence.first_m + LOST_M:
         return "led-away"

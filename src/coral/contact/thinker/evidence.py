@@ -22,6 +22,10 @@ be, or the object is not. Tracked poses are off by millimetres, and contacts giv
 was 6 to 11 mm inside boxes whose poses were right to a millimetre (measured, simulated hand)."""
 MOSTLY = 0.8
 """Share from which something is reported as such."""
+OVER_M = 0.005
+"""A tool no further below an object's top than this is over the object, not beside it."""
+CROSSED = 0.5
+"""A hand that went over this share of an object's width passed over it."""
 AROUND_M = 0.005
 """A tool this far outside the bounding box still counts as inside."""
 
@@ -70,6 +74,14 @@ class Evidence:
     around: float
     """Share of the last steps at which the tool, midway between the fingertips, was inside the object's bounding box
     and the fingers were wider apart than its smallest extent."""
+    over: float
+    """Share of the steps at which the tool was over the object: above its top, and not beside it seen from above."""
+    above_m: float
+    """The tool's least height above the object's top at these steps; 0 without any."""
+    passed_m: float
+    """How far the tool went level over the object at these steps."""
+    crossed: float
+    """The same as a share of the object's smaller width, seen from above."""
     closing: float
     """Share of the steps at which the fingers were told to close on something: 3 mm below their opening."""
     largest_term: str
@@ -109,6 +121,11 @@ class Evidence:
             told.append(
                 f"For {100 * self.sunk:.0f} % of the time the hand was inside the {self.name} by the believed poses."
             )
+        if self.crossed >= CROSSED:
+            told.append(
+                f"For {100 * self.over:.0f} % of the time the hand was over the {self.name}, {100 * self.above_m:.1f} "
+                f"cm or more above its top, and it passed over {100 * self.passed_m:.1f} cm of it."
+            )
         if self.around >= MOSTLY:
             told.append(
                 f"At the end the {self.name} was between the fingers, which were told to close on something for "
@@ -142,6 +159,7 @@ def collect_evidence(
     ends = np.array([step.after.time_s for step in steps])
     touched, others, felt, unexplained, sunk = 0, dict[str, int](), 0, 0, 0
     felt_n, predicted_n = np.zeros(3), np.zeros(3)
+    over, above_m, passed_m, crossed = _passing(steps, name, size)
     late_steps = [step for step in steps if step.after.time_s > ends[-1] - END_S]
     late = [note for note in notes if note.time_s > ends[-1] - END_S]
     for note in notes:
@@ -179,6 +197,10 @@ def collect_evidence(
         sunk=sunk / max(len(notes), 1),
         at_edge=sum(note.at_edge for note in late) / max(len(late), 1),
         around=float(np.mean([inside(step.after) and step.after.opening_m >= np.min(size) for step in late_steps])),
+        over=over,
+        above_m=above_m,
+        passed_m=passed_m,
+        crossed=crossed,
         closing=float(np.mean([step.command.opening_m < step.after.opening_m - HELD_M for step in steps])),
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
@@ -191,3 +213,20 @@ def _outside(body: BodyState, size: Array, point: Array) -> float:
     """Return the distance of a point from an object's bounding box, about the object's position; 0 inside."""
     local = np.abs(rotation_of(body.quaternion).T @ (point - body.position))
     return float(np.linalg.norm(np.maximum(local - np.asarray(size) / 2, 0.0)))
+
+
+def _passing(steps: Sequence[Transition], name: str, size: Array) -> tuple[float, float, float, float]:
+    """Return `over`, `above_m`, `passed_m` and `crossed` of `Evidence`."""
+    height, ways, narrow = [], [], float("inf")
+    for step in steps:
+        body, tool = step.after.objects[name], step.after.tool.position
+        half = np.abs(rotation_of(body.quaternion)) @ np.asarray(size) / 2
+        away = tool - body.position
+        narrow = min(narrow, 2.0 * float(half[:2].min()))
+        if np.all(np.abs(away[:2]) <= half[:2]) and away[2] > half[2] - OVER_M:
+            height.append(float(away[2] - half[2]))
+            ways.append(tool[:2])
+    if not ways:
+        return 0.0, 0.0, 0.0, 0.0
+    passed_m = float(np.linalg.norm(np.ptp(np.array(ways), axis=0)))
+    return len(ways) / len(steps), max(min(height), 0.0), passed_m, passed_m / narrow

@@ -38,7 +38,7 @@ from coral.contact.thinker.world_model_correction import CorrectionSchedule, cor
 from coral.contact.world_model.history_replay import most_informative_object
 from coral.errors import RunError
 
-TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
+TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached", "passes-over"})
 """Diagnoses whose history says nothing about mass and friction: nothing was pushed, or not where it was believed."""
 
 
