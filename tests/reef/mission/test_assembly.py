@@ -5,6 +5,8 @@ import pytest
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
+from coral.config import merge
+from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import DdpMppi
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
@@ -68,6 +70,13 @@ def test_a_plan_made_before_the_dive_takes_the_place_of_questions():
 def test_a_baseline_answers_in_place_of_the_advisor():
     assert decider_of(MissionCfg(), RULES, 0) is RULES
     assert decider_of(MissionCfg(decider="nearest"), RULES, 0).name == "nearest"
+
+
+@pytest.mark.parametrize("decider", ["nearest", "frontier", "constant", "clairvoyant"])
+def test_a_baseline_without_a_rule_for_words_refuses_a_mission_in_words(decider):
+    cfg = merge(MissionCfg(), {"decider": decider, "planner": {"instruction": {"text": "Find the net."}}}, "here")
+    with pytest.raises(InputError, match=f"{decider}.*no rule for missions in words"):
+        decider_of(cfg, RULES, 0)
 
 
 def test_rules_take_the_papers_time_unless_told_otherwise():

@@ -43,6 +43,8 @@ from coral.reef.world.world import ReefWorld
 
 PAPER_LATENCY = "fixed:10"
 """Median latency of a call in the paper's CORAL experiments (IV-E)."""
+WITHOUT_WORDS = ("nearest", "frontier", "constant", "clairvoyant")
+"""Deciders that answer no question of a mission in words."""
 UNSEEN_S = 1.0
 """Time for which an obstacle is out of the picture while the robot passes it: the position that it loses meanwhile is
 added to the clearance."""
@@ -130,9 +132,15 @@ def make_planner(belief: Belief, fields: CostFieldCfg, draw: Draw, cfg: PlannerC
 
 
 def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | None = None) -> Advisor:
-    """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
+    """Return who answers the questions: the advisor, or a baseline in its place, as configured.
+
+    Raises:
+        InputError: The baseline needs what is not there, or has no rule for a mission in words.
+    """
     if cfg.decider == "advisor":
         return advisor
+    if cfg.planner.instruction.text and cfg.decider in WITHOUT_WORDS:
+        raise InputError("--variant", "", cfg.decider, "another one: it has no rule for missions in words")
     if cfg.decider == "clairvoyant":
         if world is None:
             raise InputError("--cfg.decider", "", "clairvoyant", "another one: nobody knows the truth here")
